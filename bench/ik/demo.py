@@ -265,7 +265,7 @@ def _draw(out: Path, solved: list[Outcome]) -> None:
         if row.verdict.clearance > _SHOWN_CLEARANCE and row.T_base_tip[2, 3] > _SHOWN_HEIGHT
     ]
     show = max(shown or solved, key=lambda row: (len(row.scene.objects), -row.verdict.clearance))
-    draw_solution(out, show.robot, show.result, show.T_base_tip, cloud=show.scene.points)
+    draw_solution(out, pdoik.Solver(show.robot), show.result, show.T_base_tip, show.scene.points)
     names = ", ".join(sorted({placed.model.name for placed in show.scene.objects}))
     console.print(f"{out}: {show.robot.name} among {names}", highlight=False)
 

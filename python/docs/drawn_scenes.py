@@ -21,28 +21,17 @@ from PIL import Image
 import pdoik
 from pdoik._hulls import skeleton
 from pdoik.picture.facets import FacetSoup
+from pdoik.picture.raster import DepthBuffer, Project, blended
+from pdoik.solids import shape_mesh
 
 FloatArray = npt.NDArray[np.float64]
 
 LINKS = ("#d9dde2", "#8fb3d9")  # of links in turn
 TOOL, SOLID, GOAL, FAINT = "#f28e2b", "#b9a58a", "#1b7f3b", "#9aa0a8"
 FINE = 2  # samples of a pixel's edge
-SUN = np.array([0.35, -0.45, 0.82]) / np.linalg.norm([0.35, -0.45, 0.82])
 AMBIENT = 0.5
 FLOOR, SHADE = np.array([0.955, 0.96, 0.968]), 0.13
 GRID = 0.1  # of the lines on the floor [m]
-
-
-class Soup(FacetSoup):
-    """Facets with their colours as they are: what side of one is lit, the camera knows."""
-
-    def add(
-        self, corners: FloatArray, rgb: FloatArray, alpha: float, ambient: float = AMBIENT
-    ) -> None:
-        """Add facets, (F, 4, 3); `rgb` is one colour or one per facet."""
-        colors = np.broadcast_to(rgb, (len(corners), 3))
-        self._corners.append(corners)
-        self._colors.append(np.column_stack([colors, np.full(len(corners), alpha)]))
 
 
 def add_robot(soup: FacetSoup, robot: pdoik.Robot, q: FloatArray, color: str | None = None) -> None:
@@ -51,53 +40,26 @@ def add_robot(soup: FacetSoup, robot: pdoik.Robot, q: FloatArray, color: str | N
     for link, a, b, radius, *_ in robot.occupancy.capsules:
         T = robot.fk(q, link)
         ends = [T[:3, :3] @ np.array(each) + T[:3, 3] for each in (a, b)]
-        soup.capsule(*ends, radius, color or LINKS[links.index(link) % 2], 1.0, n=20)
+        soup.capsule(*ends, radius, color or LINKS[links.index(link) % 2], n=20)
     if not len(robot.occupancy):
         joints = skeleton(robot, q, robot.tip_links[0])
         for k, (a, b) in enumerate(pairwise(joints)):
-            soup.capsule(a, b, 0.026, color or LINKS[k % 2], 1.0)
+            soup.capsule(a, b, 0.026, color or LINKS[k % 2])
         soup.balls(joints[1:-1], 0.036, np.tile(to_rgb(TOOL), (len(joints) - 2, 1)), n=20)
 
 
-def add_box(
-    soup: FacetSoup, size: Iterable[float], T: FloatArray, color: str, piece: float = 0.05
-) -> None:
-    """A box, its faces in pieces."""
-    half = np.array(list(size)) / 2
-    for axis in range(3):
-        u, v = (axis + 1) % 3, (axis + 2) % 3
-        for side in (-1.0, 1.0):
-            steps = [np.linspace(-half[k], half[k], int(2 * half[k] / piece) + 2) for k in (u, v)]
-            grid = np.empty((len(steps[0]), len(steps[1]), 3))
-            grid[..., axis] = side * half[axis]
-            grid[..., u], grid[..., v] = np.meshgrid(*steps, indexing="ij")
-            grid = grid if side > 0 else grid[:, ::-1]
-            grid = grid @ T[:3, :3].T + T[:3, 3]
-            corners = [grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]
-            soup.add(np.stack(corners, axis=2).reshape(-1, 4, 3), np.array(to_rgb(color)), 1.0)
+def add_box(soup: FacetSoup, size: Iterable[float], T: FloatArray, color: str) -> None:
+    """A box."""
+    add_shape(soup, pdoik.Shape.box("box", list(size), T), color)
 
 
 def add_shape(
     soup: FacetSoup, shape: pdoik.Shape, color: str, T_base: FloatArray | None = None
 ) -> None:
     """A solid, in the base frame or in one that a link carries it in."""
-    T = shape.T_base_shape if T_base is None else T_base @ shape.T_base_shape
-    if shape.kind == "box":
-        add_box(soup, shape.size, T, color)
-    elif shape.kind == "cylinder":
-        radius, length = shape.size
-        ends = [T[:3, 3] + side * length / 2 * T[:3, 2] for side in (-1.0, 1.0)]
-        soup.cone(*ends, (radius, radius), color, n=40)
-        for end, side in zip(ends, (-1.0, 1.0), strict=True):
-            soup.cone(end, end + side * 1e-4 * T[:3, 2], (radius, 0.0), color, n=40)
-    elif shape.kind == "capsule":
-        radius, length = shape.size
-        ends = [T[:3, 3] + side * length / 2 * T[:3, 2] for side in (-1.0, 1.0)]
-        soup.capsule(*ends, radius, color, 1.0, n=20)
-    elif shape.kind == "sphere":
-        soup.balls(T[None, :3, 3], shape.size[0], np.array([to_rgb(color)]), n=40)
-    else:
-        raise ValueError(f"no picture of a {shape.kind}")
+    placed = shape if T_base is None else shape.moved(T_base @ shape.T_base_shape)
+    mesh, T = shape_mesh(placed)
+    soup.add(mesh.triangles @ T[:3, :3].T + T[:3, 3], np.array(to_rgb(color)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,13 +80,8 @@ class Camera:
 
     def lit(self, soup: FacetSoup) -> FloatArray:
         """The colours of facets, (F, 3), on the side that is seen."""
-        corners, colors = soup.corners, soup.colors[:, :3]
-        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
         eye = np.array(self.center) + 3.0 * self.width * self.toward
-        seen = np.einsum("fd,fd->f", normal, eye - corners.mean(axis=1))
-        light = AMBIENT + (1 - AMBIENT) * (0.5 + 0.5 * np.sign(seen) * (normal @ SUN))
-        return np.asarray(np.clip(1.12 * colors * light[:, None], 0, 1))
+        return soup.lit(eye, AMBIENT)
 
     def project(self, points: FloatArray, fine: int = 1) -> tuple[FloatArray, FloatArray]:
         """Pixels, (..., 2), and distance from the eye, (...,), of points (..., 3)."""
@@ -138,45 +95,14 @@ class Camera:
         y = fine * self.size[1] / 2 - scale * (offset @ np.cross(toward, right))
         return np.stack([x, y], axis=-1), depth
 
+    def buffer(self) -> DepthBuffer:
+        """An empty one, fine."""
+        return DepthBuffer(FINE * self.size[0], FINE * self.size[1])
 
-@dataclass(slots=True)
-class _Buffer:
-    depth: FloatArray  # (H * W,)
-    color: FloatArray  # (H * W, 3)
-
-    @classmethod
-    def of(cls, camera: Camera) -> _Buffer:
-        count = FINE**2 * camera.size[0] * camera.size[1]
-        return cls(np.full(count, np.inf), np.ones((count, 3)))
-
-    def fill(self, camera: Camera, corners: FloatArray, colors: FloatArray) -> None:
-        """Draw facets, (F, 4, 3), in their colours, (F, 3)."""
-        pixels, _ = camera.project(corners, FINE)
-        edges = np.abs(pixels - np.roll(pixels, 1, axis=1)).max(axis=(1, 2))
-        counts = 3 * np.ceil(np.clip(1.3 * edges + 1, 2, 300) / 3).astype(int)
-        for count in np.unique(counts):
-            chosen = np.flatnonzero(counts == count)
-            for part in np.array_split(chosen, 1 + len(chosen) * count**2 // 2_000_000):
-                self._fill(camera, corners[part], colors[part], int(count))
-
-    def _fill(self, camera: Camera, corners: FloatArray, colors: FloatArray, count: int) -> None:
-        s = np.linspace(0, 1, count)
-        u, v = (each.ravel()[:, None] for each in np.meshgrid(s, s))
-        share = np.hstack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v])  # (S, 4)
-        points = np.einsum("sk,fkd->fsd", share, corners)
-        pixels, depth = camera.project(points, FINE)
-        x, y = np.floor(pixels).astype(int).reshape(-1, 2).T
-        width, height = FINE * camera.size[0], FINE * camera.size[1]
-        seen = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-        place, near = (y * width + x)[seen], depth.ravel()[seen]
-        rgb = np.repeat(np.arange(len(corners)), count**2)[seen]
-        order = np.argsort(-near, kind="stable")  # the nearest is written last
-        place, near, rgb = place[order], near[order], rgb[order]
-        nearest = np.full(len(self.depth), -1)
-        nearest[place] = np.arange(len(place))
-        at = np.flatnonzero(nearest >= 0)
-        at = at[near[nearest[at]] < self.depth[at]]
-        self.depth[at], self.color[at] = near[nearest[at]], colors[rgb[nearest[at]]]
+    @property
+    def finely(self) -> Project:
+        """Pixels of such a buffer."""
+        return lambda points: self.project(points, FINE)
 
 
 class Scene3D:
@@ -184,59 +110,61 @@ class Scene3D:
 
     def __init__(self, camera: Camera, floor: float | None = 0.0) -> None:
         self.camera, self.floor = camera, floor
-        self.solids = Soup()
-        self.frames = Soup()  # without a shadow
+        self.solids = FacetSoup()
+        self.frames = FacetSoup()  # without a shadow
         self._ghosts: list[tuple[FacetSoup, float]] = []
 
     def ghost(self, alpha: float) -> FacetSoup:
         """A soup to be drawn as one translucent body."""
-        soup = Soup()
+        soup = FacetSoup()
         self._ghosts.append((soup, alpha))
         return soup
 
     def image(self) -> FloatArray:
         """(H, W, 3), from 0 to 1."""
-        buffer = _Buffer.of(self.camera)
-        floor = self._floor()
-        buffer.depth[:], buffer.color[:] = floor.depth, floor.color
+        camera = self.camera
+        buffer = self._floor()
         for soup in (self.solids, self.frames):
-            buffer.fill(self.camera, soup.corners, self.camera.lit(soup))
+            buffer.fill(camera.finely, soup.corners, camera.lit(soup))
+        layers = []
         for soup, alpha in self._ghosts:
-            layer = _Buffer.of(self.camera)
-            layer.fill(self.camera, soup.corners, self.camera.lit(soup))
-            seen = layer.depth < buffer.depth
-            buffer.color[seen] = alpha * layer.color[seen] + (1 - alpha) * buffer.color[seen]
-        width, height = self.camera.size
-        return buffer.color.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
+            layer = camera.buffer()
+            layer.fill(camera.finely, soup.corners, camera.lit(soup))
+            layers.append((layer, alpha))
+        color, opacity = blended(buffer, layers)
+        color = opacity[:, None] * color + (1 - opacity[:, None])  # before white
+        width, height = camera.size
+        return np.asarray(color.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3)))
 
-    def _floor(self) -> _Buffer:
-        buffer = _Buffer.of(self.camera)
+    def _floor(self) -> DepthBuffer:
+        camera = self.camera
+        buffer = camera.buffer()
         if self.floor is None:
             return buffer
-        reach = 0.8 * self.camera.width
-        x, y = self.camera.center[:2]
-        ground = Soup()
+        reach = 0.8 * camera.width
+        x, y = camera.center[:2]
+        ground = FacetSoup()
         T = np.eye(4)
         T[:3, 3] = x, y, self.floor - 0.006
-        add_box(ground, (2 * reach, 2 * reach, 0.01), T, "white", piece=0.1)
-        buffer.fill(self.camera, ground.corners, np.tile(FLOOR, (len(ground.corners), 1)))
+        add_box(ground, (2 * reach, 2 * reach, 0.01), T, "white")
+        white = np.tile(FLOOR, (len(ground.corners), 1))
+        buffer.fill(camera.finely, ground.corners, white)
         lines = np.arange(np.ceil((x - reach) / GRID), (x + reach) / GRID) * GRID
         across = np.arange(np.ceil((y - reach) / GRID), (y + reach) / GRID) * GRID
-        strips = [(k - 1e-3, y - reach, k + 1e-3, y + reach) for k in lines]
-        strips += [(x - reach, k - 1e-3, x + reach, k + 1e-3) for k in across]
+        strips = [(k - 1.5e-3, y - reach, k + 1.5e-3, y + reach) for k in lines]
+        strips += [(x - reach, k - 1.5e-3, x + reach, k + 1.5e-3) for k in across]
         flat = np.array([[(a, b), (c, b), (c, d), (a, d)] for a, b, c, d in strips])
         flat = np.concatenate([flat, np.full((*flat.shape[:2], 1), self.floor)], axis=2)
-        pieces = np.linspace(0, 1, 31)
-        long = np.concatenate([_cut(flat, a, b) for a, b in pairwise(pieces)])
-        buffer.fill(self.camera, long, np.tile(FLOOR - 0.07, (len(long), 1)))
+        grid = FacetSoup()
+        grid.add(flat, FLOOR - 0.07)
+        buffer.fill(camera.finely, grid.corners, grid.colors)
         fallen = self.solids.corners.copy()
         height = fallen[..., 2] - self.floor
         fallen[..., :2] -= height[..., None] * np.array([0.35, -0.45]) / 0.82 * 0.5
         fallen[..., 2] = self.floor + 1e-3
-        shadow = _Buffer.of(self.camera)
-        shadow.fill(self.camera, fallen, np.zeros((len(fallen), 3)))
-        ground_seen = np.isfinite(shadow.depth) & np.isfinite(buffer.depth)
-        buffer.color[ground_seen] -= SHADE
+        shadow = camera.buffer()
+        shadow.fill(camera.finely, fallen, np.zeros((len(fallen), 3)))
+        buffer.color[np.isfinite(shadow.depth) & np.isfinite(buffer.depth)] -= SHADE
         return buffer
 
     def show(self, axes: Axes, title: str = "") -> None:
@@ -267,16 +195,6 @@ class Scene3D:
         """A line over all that is drawn."""
         pixels, _ = self.camera.project(np.array(list(points)))
         axes.plot(*pixels.T, **style)
-
-
-def _cut(strips: FloatArray, a: float, b: float) -> FloatArray:
-    """The part of long strips, (N, 4, 3), from one share of their length to another."""
-    first, second = strips[:, 1] - strips[:, 0], strips[:, 3] - strips[:, 0]
-    along_first = (np.linalg.norm(first, axis=1) > np.linalg.norm(second, axis=1))[:, None]
-    along = np.where(along_first, first, second)
-    side = np.where(along_first, second, first)
-    start, end = strips[:, 0] + a * along, strips[:, 0] + b * along
-    return np.stack([start, end, end + side, start + side], axis=1)
 
 
 def panels(count: int, columns: int, camera: Camera, inches: float) -> tuple[Figure, list[Axes]]:

@@ -75,7 +75,7 @@ def gripper(soup: FacetSoup, T_tip: FloatArray, T_tip_grip: FloatArray, color: s
 
     for a, b in (((-0.045, 0.01), (-0.045, -0.05)), ((0.045, 0.01), (0.045, -0.05)),
                  ((-0.045, -0.05), (0.045, -0.05)), ((0, -0.05), (0, -0.1))):  # fmt: skip
-        soup.capsule(at(*a), at(*b), 0.005, color, 1.0, n=8)
+        soup.capsule(at(*a), at(*b), 0.005, color, n=8)
 
 
 def alone(scene: Scene3D, inches: float = 5.6, title: str = "") -> tuple[Figure, object]:
@@ -90,8 +90,8 @@ def tool(v: SimpleNamespace) -> Figure:
     T = v.robot.fk(v.welding.q)
     tip = T @ v.torch
     bend = T[:3, 3] + 0.10 * T[:3, 2]
-    scene.solids.capsule(T[:3, 3], bend, 0.016, TOOL, 1.0)
-    scene.solids.capsule(bend, tip[:3, 3] - 0.03 * tip[:3, 2], 0.011, TOOL, 1.0)
+    scene.solids.capsule(T[:3, 3], bend, 0.016, TOOL)
+    scene.solids.capsule(bend, tip[:3, 3] - 0.03 * tip[:3, 2], 0.011, TOOL)
     scene.solids.cone(tip[:3, 3] - 0.03 * tip[:3, 2], tip[:3, 3], (0.011, 0.002), TOOL)
     frame(scene.frames, v.seam)
     frame(scene.frames, T, 0.07)

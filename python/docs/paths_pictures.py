@@ -45,7 +45,7 @@ WAY = 0.004  # half the width of a drawn way [m]
 def way(soup: FacetSoup, places: FloatArray, color: str, radius: float = WAY) -> None:
     for a, b in pairwise(places):
         if np.linalg.norm(b - a) > 1e-6:
-            soup.capsule(a, b, radius, color, 1.0, n=8)
+            soup.capsule(a, b, radius, color, n=8)
 
 
 def places_of(robot: pdoik.Robot, q: FloatArray, T_tip_tool: FloatArray) -> FloatArray:

@@ -103,22 +103,34 @@ def placed_hulls(robot: Robot, q: FloatArray) -> list[PlacedHull]:
     return [*spheroids, *capsules]
 
 
-def one_hull(robot: Robot, q: FloatArray, kind: str, number: int) -> PlacedHull:
-    """The hull that results call `kind number`, in the base frame."""
+def hull_names(robot: Robot) -> list[str]:
+    """What results call each hull, in the order of `placed_hulls`."""
+    occupancy = robot.occupancy
+    names = [f"{link} (sphere {k})" for k, (link, *_) in enumerate(occupancy.spheres)]
+    for k, (link_a, _, link_b, *_) in enumerate(occupancy.spheroids):
+        link = link_a if link_a == link_b else f"{link_a} to {link_b}"
+        names.append(f"{link} (spheroid {k})")
+    names += [f"{link} (capsule {k})" for k, (link, *_) in enumerate(occupancy.capsules)]
+    return names
+
+
+def one_hull(robot: Robot, q: FloatArray, number: int) -> PlacedHull:
+    """The hull of that number, as `placed_hulls` has it but for `fills`."""
 
     def place(link: str, local: Point) -> FloatArray:
         T = robot.fk(q, link)
         return np.asarray(T[:3, :3] @ np.array(local) + T[:3, 3])
 
     occupancy = robot.occupancy
-    if kind == "capsule":
-        link, a, b, radius, _ = occupancy.capsules[number]
+    spheres, spheroids = len(occupancy.spheres), len(occupancy.spheroids)
+    if number >= spheres + spheroids:
+        link, a, b, radius, _ = occupancy.capsules[number - spheres - spheroids]
         return PlacedCapsule(name=link, a=place(link, a), b=place(link, b), radius=radius)
-    if kind == "sphere":
+    if number < spheres:
         link, xyz, radius = occupancy.spheres[number]
         center = place(link, xyz)
         return PlacedSpheroid(name=link, focus_a=center, focus_b=center, semi_major=radius)
-    link_a, xyz_a, link_b, xyz_b, semi_major = occupancy.spheroids[number]
+    link_a, xyz_a, link_b, xyz_b, semi_major = occupancy.spheroids[number - spheres]
     return PlacedSpheroid(
         name=link_a if link_a == link_b else f"{link_a} to {link_b}",
         focus_a=place(link_a, xyz_a),

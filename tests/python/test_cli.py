@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 
 import pdoik
@@ -231,6 +232,24 @@ def test_a_picture_is_a_png(tmp_path: Path, wall: Path) -> None:
     assert content.startswith(b"\x89PNG\r\n\x1a\n")
     assert len(content) > 50_000
     assert {entry.name for entry in tmp_path.iterdir()} == {"out.png", "wall.npy"}
+
+
+def test_a_picture_shows_the_shapes_of_a_scene_and_needs_no_single_target(tmp_path: Path) -> None:
+    scene, goals, path = (tmp_path / name for name in ("scene.yaml", "goals.yaml", "out.png"))
+    T = np.eye(4)
+    T[:3, 3] = -0.5, -0.5, 0.2
+    pdoik.save_scene(pdoik.Scene([pdoik.Shape.box("box", (0.3, 0.3, 0.3), T)]), scene)
+    goals.write_text(
+        "- {position: [-0.4, 0.1, 0.5]}\n- {look_at: {point: [0, 0, 2]}, soft: true}\n"
+    )
+    for goal in (["--target", REACHABLE], ["--goals", goals]):
+        outcome = run("solve", "panda", *goal, "--scene", scene, "--picture", path)
+        assert outcome.exit_code == 0, outcome.output
+        assert not outcome.stderr
+        image = imread(path)[..., :3]
+        tan = (image[..., 0] - image[..., 2] > 0.2) & (image[..., 1] - image[..., 2] > 0.1)
+        assert tan.mean() > 0.005
+        path.unlink()
 
 
 @pytest.mark.parametrize("command", ["solve", "info", "occupancy", "bench"])

@@ -82,7 +82,9 @@ def test_a_held_box_rests_on_its_table_and_all_else_keeps_off(name: str) -> None
     table = pdoik.Shape.box("table", (0.5, 0.6, 0.04), placed(reach, 0, height - 0.02))
     crate = pdoik.Shape.box("crate", (0.1, 0.1, 0.3), placed(reach, 0.12, height + 0.151))
     shapes, clearance = [table, crate], 0.02
-    solver = pdoik.Solver(robot, pdoik.Options(clearance=clearance, max_time=np.inf, max_restarts=60))
+    solver = pdoik.Solver(
+        robot, pdoik.Options(clearance=clearance, max_time=np.inf, max_restarts=60)
+    )
     solver.attach(hand, [box])
     rules = [Rule("box", "table", clearance=0.0)]
     rests = grazes = 0
@@ -227,7 +229,9 @@ def test_several_objects_are_attached_at_once_or_none() -> None:
     solver = pdoik.Solver(robot)
     cup = pdoik.Attachment("panda_link8", [ball("cup", (0, 0, 0.1), 0.02)], ["table"])
     tool = pdoik.Attachment(
-        "panda_link5", [ball("tool", (0, 0.2, 0), 0.02)], contacts=[Rule("tool", "cup", clearance=1)]
+        "panda_link5",
+        [ball("tool", (0, 0.2, 0), 0.02)],
+        contacts=[Rule("tool", "cup", clearance=1)],
     )
     with pytest.raises(ValueError, match="nobody"):
         solver.attach_all([cup, pdoik.Attachment("nobody", tool.shapes)])
@@ -237,7 +241,11 @@ def test_several_objects_are_attached_at_once_or_none() -> None:
     q = np.array([0.3, 0.2, 0.0, -1.8, 0.0, 2.2, 0.8])
     result = solver.judge(robot.fk(q), q)
     assert result.worst_constraint == "clearance of tool to cup"
-    apart = np.linalg.norm((robot.fk(q, "panda_link8") @ (0, 0, 0.1, 1) - robot.fk(q, "panda_link5") @ (0, 0.2, 0, 1))[:3])
+    apart = np.linalg.norm(
+        (robot.fk(q, "panda_link8") @ (0, 0, 0.1, 1) - robot.fk(q, "panda_link5") @ (0, 0.2, 0, 1))[
+            :3
+        ]
+    )
     assert result.self_room == pytest.approx(apart - 0.04 - 1.0, abs=1e-9)
     solver.detach("tool")
     assert [each.links for each in solver.carried] == [["panda_link8"]]
@@ -274,8 +282,14 @@ def test_a_rule_says_what_it_is() -> None:
             Rule("a", "b", clearance=wrong)
         with pytest.raises(ValueError, match="'a' and 'b'"):
             Rule("a", "b", allowed=-wrong)
-    scene = pdoik.Scene(allowed=[("a", "b"), ("c", "d", 0.1)], contacts=[Rule("e", "f", clearance=1)])
-    assert scene.contacts == [Rule("a", "b"), Rule("c", "d", allowed=0.1), Rule("e", "f", clearance=1)]
+    scene = pdoik.Scene(
+        allowed=[("a", "b"), ("c", "d", 0.1)], contacts=[Rule("e", "f", clearance=1)]
+    )
+    assert scene.contacts == [
+        Rule("a", "b"),
+        Rule("c", "d", allowed=0.1),
+        Rule("e", "f", clearance=1),
+    ]
     assert scene.allowed == [("a", "b"), ("c", "d", 0.1)]
 
 
@@ -313,7 +327,10 @@ def test_points_are_a_thing_like_others() -> None:
     assert bare.room == bare.clearance
     depth = -bare.clearance
     let = judged(Rule(link, "points", allowed=depth + 1e-3))
-    assert (let.clearance, let.success) == (bare.clearance, judged(Rule("panda*", "points", allowed=depth + 1e-3)).success)
+    assert (let.clearance, let.success) == (
+        bare.clearance,
+        judged(Rule("panda*", "points", allowed=depth + 1e-3)).success,
+    )
     assert judged(Rule(link, "points")).clearance > bare.clearance
     assert not judged(Rule(link, "points", allowed=depth - 1e-3)).success
     wide = judged(Rule("*", "points"), Rule(link, "points", clearance=0.2))
@@ -361,7 +378,9 @@ def test_a_planning_scenes_matrix_means_what_it_means_to_moveit() -> None:
                 assert may == moveits(matrix, one, other), (matrix, one, other)
                 allowed += may
         assert all(rule.optional for rule in rules)
-        assert all(rule.one not in ("cup", "table") for rule in rules if rule.other in ("base", "hand"))
+        assert all(
+            rule.one not in ("cup", "table") for rule in rules if rule.other in ("base", "hand")
+        )
     assert allowed > 500
 
 
@@ -512,9 +531,18 @@ def test_our_yaml_says_them_and_they_are_saved(tmp_path: Path) -> None:
         ({"contacts": [{"one": "a"}]}, r"contacts\[0\]: expected {one, other"),
         ({"contacts": [{"one": "a", "other": 3}]}, r"contacts\[0\]: expected two names"),
         ({"contacts": [{"one": "a", "other": "b", "depth": 3}]}, r"contacts\[0\]: expected {one"),
-        ({"contacts": [{"one": "a", "other": "b", "clearance": "x"}]}, r"clearance: expected metres"),
-        ({"contacts": [{"one": "a", "other": "b", "clearance": True}]}, "clearance: expected metres"),
-        ({"contacts": [{"one": "a", "other": "b", "allowed": "no"}]}, "allowed: expected true, false"),
+        (
+            {"contacts": [{"one": "a", "other": "b", "clearance": "x"}]},
+            r"clearance: expected metres",
+        ),
+        (
+            {"contacts": [{"one": "a", "other": "b", "clearance": True}]},
+            "clearance: expected metres",
+        ),
+        (
+            {"contacts": [{"one": "a", "other": "b", "allowed": "no"}]},
+            "allowed: expected true, false",
+        ),
         ({"contacts": [{"one": "a", "other": "b", "allowed": -1}]}, r"contacts\[0\]: .*depth"),
         ({"contacts": [{"one": "a", "other": "b", "optional": 1}]}, "optional: expected true or"),
         ({"contacts": 3}, "contacts: expected a list of rules"),

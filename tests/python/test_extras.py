@@ -53,6 +53,7 @@ print(solved.success, tracker.step(target).q.shape)
         ("pdoik.load_robot('r.xacro')", "xacro", "files"),
         ("from pdoik.occupancy_fit import fit_occupancy", "scipy", "files"),
         ("from pdoik.sim2real import diagnose", "scipy", "sim2real"),
+        ("from pdoik.picture import draw_solution", "matplotlib", "plot"),
     ],
 )
 def test_what_is_missing_is_asked_for_by_its_extra(
@@ -67,6 +68,33 @@ def test_what_is_missing_is_asked_for_by_its_extra(
     assert last == (
         f"pdoik.errors.MissingExtraError: {package} is not installed: pip install 'pdoik[{extra}]'"
     )
+
+
+def test_pictures_take_their_own_extra_alone(tmp_path: Path) -> None:
+    hidden = tuple(name for name in OTHERS if name not in ("PIL", "matplotlib", "trimesh"))
+    done = without_others(
+        f"""
+import pdoik
+from pdoik.picture import draw_solution
+solver = pdoik.Solver(pdoik.Robot.builtin("panda"))
+shapes = [
+    pdoik.Shape.half_space("floor", (0, 0, 1), (0, 0, -0.2)),
+    pdoik.Shape.cylinder("can", 0.1, 0.2), pdoik.Shape.capsule("pill", 0.1, 0.2),
+    pdoik.Shape.sphere("ball", (1, 0, 0), 0.1), pdoik.Shape.box("box", (1, 1, 1)),
+    pdoik.Shape.boxes("boxes", [[0, 0, 0]], [[1, 1, 1]]),
+    pdoik.Shape.convex_mesh(
+        "rock", [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], None,
+        [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    ),
+]
+q = solver.robot.mid_configuration()
+result = solver.judge(solver.robot.fk(q), q, shapes)
+draw_solution({str(tmp_path / "a.png")!r}, solver, result, solver.robot.fk(q), shapes, dpi=40)
+""",
+        hidden,
+    )
+    assert not done.returncode, done.stderr
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_command_line_asks_for_its_own() -> None:

@@ -39,7 +39,7 @@ def test_a_picture_shows_arm_hulls_points_and_frames(tmp_path: Path, name: str) 
     surface = rng.uniform([0.3, -0.5, 0.7], [0.6, 0.5, 1.0], (5000, 3))
     path = tmp_path / "picture.png"
     cloud = pdoik.voxel_downsample(surface, 0.1)
-    draw_solution(path, solver.robot, result, T_base_tip, cloud=cloud, surface=surface)
+    draw_solution(path, solver, result, T_base_tip, cloud, surface=surface)
     image = pixels(path)
     assert min(image.shape[:2]) > 800
     white = is_like(image, (1, 1, 1), 0.02) / image[:, :, 0].size
@@ -53,8 +53,8 @@ def test_many_points_are_dots_coloured_by_their_gap(tmp_path: Path) -> None:
     solver, result, T_base_tip = solved()
     tip = solver.robot.fk(result.q)[:3, 3]
     near = tip + np.random.default_rng(0).uniform(-0.05, 0.05, (4000, 3))
-    draw_solution(tmp_path / "few.png", solver.robot, result, T_base_tip, cloud=near[:1])
-    draw_solution(tmp_path / "dots.png", solver.robot, result, T_base_tip, cloud=near)
+    draw_solution(tmp_path / "few.png", solver, result, T_base_tip, near[:1])
+    draw_solution(tmp_path / "dots.png", solver, result, T_base_tip, near)
     red = [is_like(pixels(tmp_path / name), (0.83, 0.08, 0.11)) for name in ("few.png", "dots.png")]
     assert red[1] > 2 * red[0]
 
@@ -65,16 +65,16 @@ def test_a_failure_is_drawn_as_one(tmp_path: Path) -> None:
     result = solver.solve(T_base_tip)
     assert not result.success
     path = tmp_path / "failure.png"
-    draw_solution(path, solver.robot, result, T_base_tip)
+    draw_solution(path, solver, result, T_base_tip)
     headline = pixels(path)[:60]
     assert is_like(headline, (0.70, 0.15, 0.12)) > 100
 
 
 def test_a_robot_without_hulls_can_be_drawn(tmp_path: Path) -> None:
-    solver, result, T_base_tip = solved()
+    solver, result, _ = solved()
     robot = solver.robot
     robot.occupancy = pdoik.Occupancy()
-    draw_solution(tmp_path / "bare.png", robot, result, T_base_tip, cloud=np.ones((4, 3)))
+    draw_solution(tmp_path / "bare.png", pdoik.Solver(robot), result, None, np.ones((4, 3)))
     assert is_like(pixels(tmp_path / "bare.png"), (0.16, 0.18, 0.21)) > 50
 
 
@@ -83,10 +83,10 @@ def test_an_old_picture_survives_a_failure_to_draw(tmp_path: Path) -> None:
     path = tmp_path / "old.png"
     path.write_bytes(b"old")
     with pytest.raises(ValueError, match=r"\(4, 2\)"):
-        draw_solution(path, solver.robot, result, T_base_tip, cloud=np.ones((4, 2)))
+        draw_solution(path, solver, result, T_base_tip, np.ones((4, 2)))
     assert path.read_bytes() == b"old"
     with pytest.raises(OSError, match="missing"):
-        draw_solution(tmp_path / "missing" / "a.png", solver.robot, result, T_base_tip)
+        draw_solution(tmp_path / "missing" / "a.png", solver, result, T_base_tip)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -169,18 +169,20 @@ def test_spheroid_facets_lie_on_the_spheroid() -> None:
     focus_a, focus_b, semi_major = np.array([0.1, 0.2, 0.3]), np.array([0.5, 0.1, 0.7]), 0.4
     soup = FacetSoup()
     axes = spheroid_axes(focus_a, focus_b, semi_major)
-    soup.ellipsoid((focus_a + focus_b) / 2, axes, "red", 0.5)
+    soup.ellipsoid((focus_a + focus_b) / 2, axes, "red")
     corners = soup.corners.reshape(-1, 3)
     sums = sum(np.linalg.norm(corners - focus, axis=1) for focus in (focus_a, focus_b))
     np.testing.assert_allclose(sums, 2 * semi_major, atol=1e-12)
-    assert ((soup.colors >= 0) & (soup.colors <= 1)).all()
+    lit = soup.lit(np.array([5.0, 0.0, 0.0]))
+    assert ((lit >= 0) & (lit <= 1)).all()
+    assert np.ptp(lit[:, 0]) > 0.3  # the sides differ
 
 
 @pytest.mark.parametrize("b", [(0.5, 0.1, 0.7), (0.1, 0.2, 0.3)])
 def test_capsule_facets_lie_on_the_capsule(b: tuple[float, float, float]) -> None:
     capsule = PlacedCapsule(name="", a=np.array([0.1, 0.2, 0.3]), b=np.array(b), radius=0.2)
     soup = FacetSoup()
-    soup.capsule(capsule.a, capsule.b, capsule.radius, "red", 0.5)
+    soup.capsule(capsule.a, capsule.b, capsule.radius, "red")
     np.testing.assert_allclose(capsule.gap(soup.corners.reshape(-1, 3)), 0, atol=1e-12)
     reach = np.abs(soup.corners.reshape(-1, 3) - capsule.ends.mean(axis=0))
     assert np.linalg.norm(reach, axis=1).max() == pytest.approx(capsule.extent)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import pdoik
 from bench.ik.judges.triangles import tree_of
-from pdoik.view.shape_scene import shape_mesh
+from pdoik.solids import nearest_points, part_surface, shape_mesh
 
 FloatArray = NDArray[np.float64]
 
@@ -68,6 +68,31 @@ def coal_distance(one: object, T_one: FloatArray, other: object, T_other: FloatA
     poses = [coal.Transform3s(T[:3, :3], T[:3, 3]) for T in (T_one, T_other)]
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     return float(coal.distance(one, poses[0], other, poses[1], request, result))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_nearest_points_of_convex_shapes_are_as_far_apart_as_coal_says(
+    rng: np.random.Generator, seed: int
+) -> None:
+    apart = 0
+    for _ in range(15):
+        one, other = (
+            [each for each in random_shapes(rng) if each.kind not in ("mesh", "boxes")]
+            for _ in range(2)
+        )
+        a, b = one[int(rng.integers(6))], other[int(rng.integers(6))]
+        if a.kind == b.kind == "half_space":
+            continue
+        distance = coal_distance(coal_geometry(a), a.T_base_shape, coal_geometry(b), b.T_base_shape)
+        line = nearest_points(a, b)
+        assert line is not None
+        if distance < 1e-3:
+            continue
+        assert np.linalg.norm(line[1] - line[0]) == pytest.approx(distance, abs=2e-4)
+        for shape, end in zip((a, b), line, strict=True):
+            assert part_surface(shape)(end)[0] == pytest.approx(0, abs=1e-6)
+        apart += 1
+    assert apart > 2
 
 
 def capsule_between(a: FloatArray, b: FloatArray, radius: float) -> tuple[object, FloatArray]:

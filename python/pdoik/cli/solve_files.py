@@ -59,18 +59,12 @@ def draw(picture: Path, solution: Solution | AllSolutions) -> None:
     if result is None:
         warn("--picture: there is no solution to draw")
         return
-    target = solution.question.target(result)
-    if target is None:
-        warn("--picture draws one target in the base frame, where there are several the tip's pose")
-        target = solution.robot.fk(result.q, solution.robot.tip_links[0])
-    if obstacles is not None and obstacles.shapes:
-        warn("--picture draws points, no shapes; pdoik view --scene shows them")
     with misuse_fails("--picture"):
         draw_solution(
             picture,
-            solution.robot,
+            pdoik.Solver(solution.robot, solution.options),
             result,
-            target,
-            cloud=None if obstacles is None else obstacles.cloud[:, :3],
+            solution.question.target(result),
+            None if obstacles is None else obstacles.kept(),
             surface=None if obstacles is None or obstacles.leaf == 0 else obstacles.surface,
         )

@@ -11,8 +11,8 @@ import viser
 
 import pdoik
 
+from .limits import limit_text, nearest_limit
 from .message import Message
-from .nearest import limit_text, nearest_limit
 
 FloatArray = npt.NDArray[np.float64]
 

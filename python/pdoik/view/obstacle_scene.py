@@ -9,8 +9,8 @@ import numpy.typing as npt
 import viser
 
 from pdoik._hulls import placed_hulls
+from pdoik.solids import binding
 
-from .binding import binding
 from .gizmos import Dragged, Gizmo
 from .shapes import gap_colors, wxyz_of
 from .shown import Shown

@@ -11,8 +11,8 @@ import viser
 
 import pdoik
 from pdoik._hulls import placed_hulls, way_to
+from pdoik.solids import binding
 
-from .binding import binding
 from .hull_scene import HullScene
 from .humanoid import first_posture
 from .instances import add_instances

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from pdoik.solids import nearest_obstacle
 
 from .followed_path import FollowedPath, follow_path
 from .follower import Follower
@@ -29,7 +30,6 @@ from .goals import (
     requests,
 )
 from .humanoid import first_posture
-from .nearest import nearest_obstacle
 from .obstacles import Ball, Obstacles
 from .shapes import moved_shape
 from .shown import AllSolutions, Origin, Shown

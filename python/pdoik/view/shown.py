@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from pdoik.solids import NearestObstacle
 
 from .goals import TipGoal, choice_text
-from .nearest import NearestObstacle
 from .obstacles import Obstacles
 
 FloatArray = npt.NDArray[np.float64]

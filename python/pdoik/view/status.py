@@ -12,9 +12,8 @@ import viser
 
 import pdoik
 
-from .binding import margin_text
+from .limits import limit_text, nearest_limit
 from .message import Message
-from .nearest import limit_text, nearest_limit
 from .shown import Shown
 
 _WINDOW = 2.0  # [s]
@@ -150,3 +149,18 @@ def _extras(shown: Shown) -> list[tuple[str, str]]:
         lost = shown.result.balance_violation
         rows.append(("balance", f"lost by {1e3 * lost:.1f} mm" if lost > 0 else "held"))
     return rows
+
+
+def margin_text(result: pdoik.Result, robot: pdoik.Robot) -> str:
+    """By how much the worst constraint is missed, or holds."""
+    amount = f"{1e3 * abs(result.worst_violation):.3g} {_unit(result, robot)}"
+    return f"missed by {amount}" if result.worst_violation > 0 else f"holds, {amount} to spare"
+
+
+def _unit(result: pdoik.Result, robot: pdoik.Robot) -> str:
+    """Of a thousandth of the worst constraint."""
+    name = result.worst_constraint
+    if name.startswith("limit of "):
+        kinds = dict(zip(robot.joint_names, robot.joint_types, strict=True))
+        return "mm" if kinds.get(name.removeprefix("limit of ")) == "prismatic" else "mrad"
+    return "mrad" if name.startswith("rotation") else "mm"

@@ -1,4 +1,4 @@
-"""The line that pdoik view draws to the nearest obstacle, against the solver's distances."""
+"""Where solids are nearest to each other, against the solver's distances; what constraints name."""
 
 from __future__ import annotations
 
@@ -8,10 +8,16 @@ import trimesh
 
 import pdoik
 from pdoik._hulls import gaps, placed_hulls
+from pdoik.solids import (
+    binding,
+    named_part,
+    nearest_obstacle,
+    nearest_points,
+    shape_surface,
+    without_numbers,
+)
 from pdoik.view import Session
-from pdoik.view.nearest import limit_text, nearest_limit, nearest_obstacle
 from pdoik.view.status import Meter, status_html
-from pdoik.view.surfaces import shape_surface
 
 CORNERS = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (0.0, 0.2)]
 KINDS = (
@@ -118,30 +124,94 @@ def test_points_and_the_ball_are_named_and_nothing_is_where_there_is_nothing() -
         assert f"{name}, from panda_link" in status_html(shown, Meter())
 
 
-def test_the_joint_with_the_least_share_of_its_range_left_is_named() -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_line_from_what_is_held_is_as_long_as_the_solver_says(
+    kind: str, rng: np.random.Generator
+) -> None:
     robot = pdoik.Robot.builtin("panda")
-    q = robot.mid_configuration()
-    q[5] = robot.upper[5] - np.radians(2.0)
-    limit = nearest_limit(robot, q)
-    assert limit is not None
-    assert (limit.joint, limit.side) == (5, "upper")
-    assert 100 * limit.share == pytest.approx(0.9, abs=0.1)
-    assert limit_text(limit, robot) == "panda_joint6, 2.0° from its upper end, 1 % of the range"
+    robot.occupancy = pdoik.Occupancy(spheres=[("panda_link2", (0.0, 0.0, 0.0), 1e-3)])
+    held = {
+        "brick": pdoik.Shape.box("brick", (0.05, 0.1, 0.2), _at(0.0, 0.0, 0.15)),
+        "can": pdoik.Shape.cylinder("can", 0.05, 0.2, _at(0.0, 0.0, 0.15)),
+        "pill": pdoik.Shape.capsule("pill", 0.05, 0.2, _at(0.0, 0.0, 0.15)),
+    }
+    apart = 0
+    for name, solid in held.items():
+        solver = pdoik.Solver(robot)
+        solver.attach("panda_link8", [solid])
+        for _ in range(25):
+            q, obstacle = rng.uniform(robot.lower, robot.upper), shape(kind, rng)
+            found = nearest_obstacle(
+                solver.clearances(q, [obstacle]),
+                robot,
+                q,
+                np.empty((0, 4)),
+                [obstacle],
+                carried=solver.carried,
+            )
+            assert found is not None
+            if found.part != name or found.distance <= 0:
+                continue
+            assert found.line is not None
+            length = np.linalg.norm(found.line[1] - found.line[0])
+            assert length >= found.distance - 1e-6
+            if kind not in ("mesh", "boxes"):  # projections may end at another place of those
+                assert length == pytest.approx(found.distance, abs=1e-4)
+            apart += 1
+    assert apart > 5
 
 
-def test_joints_without_limits_are_near_none() -> None:
-    urdf = """<robot name="arm"><link name="base"/><link name="a"/><link name="b"/>
-      <joint name="turn" type="continuous"><parent link="base"/><child link="a"/>
-        <axis xyz="0 0 1"/></joint>
-      {}</robot>"""
-    slide = """<joint name="slide" type="prismatic"><parent link="a"/><child link="b"/>
-      <axis xyz="1 0 0"/><limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>"""
-    fixed = """<joint name="slide" type="fixed"><parent link="a"/><child link="b"/></joint>"""
-    assert nearest_limit(pdoik.Robot.from_urdf(urdf.format(fixed)), np.array([1.0])) is None
-    robot = pdoik.Robot.from_urdf(urdf.format(slide))
-    limit = nearest_limit(robot, np.array([9.0, 0.05]))
-    assert limit is not None
-    assert limit_text(limit, robot) == "slide, 50.0 mm from its lower end, 10 % of the range"
+def test_of_two_spheroids_and_capsules_no_nearer_points_are_found_by_sampling(
+    rng: np.random.Generator,
+) -> None:
+    robot = pdoik.Robot.builtin("panda")
+    robot.occupancy = pdoik.Occupancy(
+        spheroids=[("panda_link0", (0.0, 0.0, 0.0), "panda_link0", (0.1, 0.0, 0.0), 0.1)],
+        capsules=[("panda_link8", (0.0, 0.0, 0.0), (0.0, 0.1, 0.1), 0.04)],
+    )
+    hulls = placed_hulls(robot, robot.mid_configuration())
+    line = nearest_points(*hulls)
+    assert line is not None
+    length = np.linalg.norm(line[1] - line[0])
+    for hull, end in zip(hulls, line, strict=True):
+        assert hull.gap(end[None])[0] == pytest.approx(0, abs=1e-6)
+        near = end + rng.normal(scale=0.02, size=(20_000, 3))
+        inside = near[hull.gap(near) <= 0]
+        other = line[1] if hull is hulls[0] else line[0]
+        assert len(inside) > 500
+        assert np.linalg.norm(inside - other, axis=1).min() >= length - 1e-6
+    np.testing.assert_allclose(nearest_points(*hulls[::-1]), line[::-1], atol=1e-5)
+
+
+def test_what_the_worst_constraint_names_is_found_whatever_things_are_called() -> None:
+    robot = pdoik.Robot.builtin("panda")
+    solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
+    solver.attach("panda_link8", [pdoik.Shape.box("cup to go", (0.05, 0.05, 0.3), _at(0, 0, 0.2))])
+    q = np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.1, 0.8])
+    tip = robot.fk(q)
+    wall = pdoik.Shape.box("way to the door", (0.2, 0.2, 0.2), tip @ _at(0, 0, 0.3))
+    result = solver.judge(tip, q, [wall])
+    found = binding(result, robot, [wall.name], ["cup to go"])
+    assert (found.held, found.shape, found.hulls) == (("cup to go",), "way to the door", ())
+
+    result = solver.judge(tip, q, np.array([[*(tip @ _at(0, 0, 0.3))[:3, 3]]]))
+    found = binding(result, robot, [], ["cup to go"])
+    assert (found.held, found.obstacle) == (("cup to go",), 0)
+
+    folded = robot.mid_configuration()
+    folded[3], folded[5] = -3.0, 0.0
+    result = solver.judge(robot.fk(folded), folded)
+    found = binding(result, robot, [], ["cup to go"])
+    assert len(found.held) + len(found.hulls) == 2
+    for number in found.hulls:
+        assert placed_hulls(robot, folded)[number].name in result.worst_constraint
+    assert "capsule" not in without_numbers(result.worst_constraint)
+
+    robot.occupancy = pdoik.Occupancy()
+    result = pdoik.Solver(robot).judge(robot.fk(q) @ _at(0, 0, 0.1), q)
+    assert result.worst_constraint == "position"
+    assert binding(result, robot) == ((), (), None, None)
+    assert named_part("panda_link3 (capsule 4)", robot, q) is None
 
 
 def _at(*xyz: float) -> np.ndarray:

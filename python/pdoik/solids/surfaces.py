@@ -10,6 +10,7 @@ import trimesh
 
 import pdoik
 from pdoik._distance_fields import distances_at
+from pdoik._hulls import PlacedCapsule, PlacedHull, PlacedSpheroid
 
 FloatArray = npt.NDArray[np.float64]
 Surface = Callable[[FloatArray], tuple[float, FloatArray]]
@@ -27,6 +28,15 @@ def ball_surface(center: FloatArray, radius: float) -> Surface:
     return to_ball
 
 
+def part_surface(part: PlacedHull | pdoik.Shape) -> Surface:
+    """In the base frame."""
+    if isinstance(part, PlacedCapsule):
+        return _segment_surface(part.a, part.b, part.radius)
+    if isinstance(part, PlacedSpheroid):
+        return _spheroid_surface(part)
+    return shape_surface(part)
+
+
 def shape_surface(shape: pdoik.Shape) -> Surface:
     """In the base frame."""
     T = np.asarray(shape.T_base_shape)
@@ -39,7 +49,8 @@ def shape_surface(shape: pdoik.Shape) -> Surface:
         case "cylinder":
             local = _cylinder(size[0], size[1] / 2)
         case "capsule":
-            local = _capsule(size[0], size[1] / 2)
+            end = np.array([0.0, 0.0, size[1] / 2])
+            local = _segment_surface(-end, end, size[0])
         case "half_space":
             local = _half_space
         case "boxes":
@@ -84,12 +95,44 @@ def _cylinder(radius: float, half: float) -> Surface:
     return to_cylinder
 
 
-def _capsule(radius: float, half: float) -> Surface:
+def _segment_surface(a: FloatArray, b: FloatArray, radius: float) -> Surface:
+    v = b - a
+
     def to_capsule(point: FloatArray) -> tuple[float, FloatArray]:
-        on_axis = np.array([0.0, 0.0, np.clip(point[2], -half, half)])
-        return ball_surface(on_axis, radius)(point)
+        t = float(np.clip((point - a) @ v / max(float(v @ v), 1e-300), 0.0, 1.0))
+        return ball_surface(a + t * v, radius)(point)
 
     return to_capsule
+
+
+def _spheroid_surface(hull: PlacedSpheroid) -> Surface:
+    if np.linalg.norm(hull.focus_b - hull.focus_a) < 1e-9:
+        return ball_surface(hull.focus_a, hull.semi_major)
+
+    def to_spheroid(point: FloatArray) -> tuple[float, FloatArray]:
+        place = onto_spheroid(hull, point)
+        sign = np.sign(hull.gap(point[None])[0])
+        return float(sign * np.linalg.norm(point - place)), place
+
+    return to_spheroid
+
+
+def onto_spheroid(hull: PlacedSpheroid, point: FloatArray) -> FloatArray:
+    """The nearest point of a spheroid, of different foci, to one outside of it."""
+    center = (hull.focus_a + hull.focus_b) / 2
+    half = (hull.focus_b - hull.focus_a) / 2
+    c = float(np.linalg.norm(half))
+    axis = half / c
+    z = float((point - center) @ axis)
+    out = point - center - z * axis
+    r = float(np.linalg.norm(out))
+    major, minor = hull.semi_major**2, hull.semi_major**2 - c**2
+    low, high = -minor, hull.semi_major * float(np.hypot(z, r))
+    for _ in range(60):  # (a z / (t + a^2))^2 + (b r / (t + b^2))^2 = 1 falls with t
+        t = (low + high) / 2
+        inside = major * (z / (t + major)) ** 2 + minor * (r / (t + minor)) ** 2 < 1
+        low, high = (low, t) if inside else (t, high)
+    return np.asarray(center + major * z / (high + major) * axis + minor / (high + minor) * out)
 
 
 def _half_space(point: FloatArray) -> tuple[float, FloatArray]:
@@ -130,11 +173,15 @@ def _field(shape: pdoik.Shape) -> Surface:
 
 def _sheet(triangles: FloatArray) -> Surface:
     """Of a surface of no thickness, (T, 3, 3)."""
+    middles = triangles.mean(axis=1)
+    reaches = np.linalg.norm(triangles - middles[:, None], axis=2).max(axis=1)
 
     def to_sheet(point: FloatArray) -> tuple[float, FloatArray]:
-        points = np.tile(point, (len(triangles), 1))
+        apart = np.linalg.norm(middles - point, axis=1)
+        near = triangles[apart - reaches <= (apart + reaches).min()]  # one of these is nearest
+        points = np.tile(point, (len(near), 1))
         places: FloatArray = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
-            triangles, points
+            near, points
         )
         distances = np.linalg.norm(places - point, axis=1)
         nearest = int(distances.argmin())
