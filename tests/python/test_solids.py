@@ -121,7 +121,7 @@ def test_points_and_the_ball_are_named_and_nothing_is_where_there_is_nothing() -
         assert shown.nearest.line is not None
         length = np.linalg.norm(np.diff(shown.nearest.line, axis=0))
         assert length == pytest.approx(shown.result.clearance, abs=1e-9)
-        assert f"{name}, from panda_link" in status_html(shown, Meter())
+        assert f"{name}, {1e3 * length:.1f} mm from panda_link" in status_html(shown, Meter())
 
 
 @pytest.mark.parametrize("kind", KINDS)

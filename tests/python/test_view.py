@@ -81,7 +81,7 @@ def test_shapes_are_kept_off_named_and_drawn_where_they_are(session: Session) ->
     session.set_ball([3.0, 0.0, 0.0], 0.1)
     shown = session.solve_once()
     assert shown is not None
-    assert "mm to 1 points and 2 shapes" in status_html(shown, Meter())
+    assert "mm to 1 point and 2 shapes" in status_html(shown, Meter())
     with pytest.raises(ValueError, match="'nobody'"):
         session.set_shapes([ball], [pdoik.ContactRule("nobody", "ball")])
 
@@ -417,7 +417,7 @@ def test_hulls_in_collision_with_each_other_are_both_named() -> None:
     assert len(names) == 2
     assert all(name in shown.result.worst_constraint for name in names)
     text = status_html(shown, Meter())
-    assert "self-distance" in text
+    assert "self-collision" in text
     assert all(name in text for name in names)
 
 

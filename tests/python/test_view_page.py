@@ -26,6 +26,7 @@ from pdoik.view.examples import EXAMPLES, Example  # noqa: E402  # these need vi
 from pdoik.view.gizmos import Gizmo  # noqa: E402
 from pdoik.view.model import shipped_model  # noqa: E402
 from pdoik.view.reach_cells import ReachCells  # noqa: E402
+from pdoik.view.scene import robot_size  # noqa: E402
 from pdoik.view.server import start_server  # noqa: E402
 from pdoik.view.viewer import Viewer  # noqa: E402
 
@@ -86,11 +87,12 @@ class Page:
         right = np.cross(forward, camera.up_direction)
         right /= np.linalg.norm(right)
         offset = point - camera.position
-        size = self.page.viewport_size
-        width, height = size["width"], size["height"]
+        box = self.page.locator("canvas").first.bounding_box()
+        width, height = box["width"], box["height"]
         focal = height / 2 / np.tan(camera.fov / 2)  # fov is the vertical one
         across = np.array([offset @ right, -offset @ np.cross(right, forward)])
-        return np.array([width / 2, height / 2]) + focal * across / (offset @ forward)
+        middle = np.array([box["x"] + width / 2, box["y"] + height / 2])
+        return middle + focal * across / (offset @ forward)
 
     def shot(self) -> np.ndarray[Any, np.dtype[np.int_]]:
         """The colours of the page, (HEIGHT, WIDTH, 3)."""
@@ -265,18 +267,18 @@ def test_the_capsules_are_drawn_and_the_wide_hull_around_them_on_a_switch(
     for part in (tube, cap):
         in_capsules.wait(lambda part=part: most_blue(part) > 15, "blue")
     assert abs(most_blue(wire)) < 10  # the floor and its lines
-    page.get_by_label("Wide hulls").check(force=True)
+    page.get_by_label("Bounding spheroids").check(force=True)
     in_capsules.wait(lambda: most_blue(wire) > 15, "the wide hull")
-    page.get_by_label("Wide hulls").uncheck(force=True)
-    page.get_by_label("Hulls", exact=True).uncheck(force=True)
+    page.get_by_label("Bounding spheroids").uncheck(force=True)
+    page.get_by_label("Collision model", exact=True).uncheck(force=True)
     for part in (tube, cap, wire):
         in_capsules.wait(lambda part=part: abs(most_blue(part)) < 10, "nothing")
 
-    page.get_by_label("Hulls", exact=True).check(force=True)
+    page.get_by_label("Collision model", exact=True).check(force=True)
     session.set_ball(T[:3, :3] @ (0.0, 0.1, 0.1) + T[:3, 3], 0.01)
     session.set_posture(in_capsules.q)  # it stays, and is judged anew
     in_capsules.viewer.worker.wake()
-    page.get_by_text("clearance of panda_link8 (capsule 0)").first.wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("clearance of panda_link8 to obstacle").first.wait_for(timeout=1e3 * PATIENCE)
     for part in (tube, cap):
         in_capsules.wait(lambda part=part: most_blue(part) < -15, "red")
 
@@ -304,13 +306,13 @@ def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
     cloud = tmp_path / "points.xyz"
     cloud.write_text("1.5 0 0.1\n1.5 0 0.2\n1.5 0 0.3\n")
     opened.page.get_by_role("tab", name="Files").click()
-    opened.upload("Cloud (", cloud)
+    opened.upload("Point cloud (", cloud)
     opened.wait(lambda: len(session.obstacles.surface) == 3, "the cloud")
     opened.page.get_by_text("points.xyz: 3 points").wait_for(timeout=1e3 * PATIENCE)
 
     broken = tmp_path / "broken.ply"
     broken.write_text("nothing")
-    opened.upload("Cloud (", broken)
+    opened.upload("Point cloud (", broken)
     opened.page.get_by_text("broken.ply: not a .ply file").wait_for(timeout=1e3 * PATIENCE)
     assert len(session.obstacles.surface) == 3
 
@@ -319,7 +321,7 @@ def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
     opened.upload("Scene (", scene)
     opened.page.get_by_text("scene.scene: 1 shapes, 0 points").wait_for(timeout=1e3 * PATIENCE)
     opened.wait(lambda: list(opened.viewer.shape_scene._nodes) == ["wall"], "the shape")
-    opened.page.get_by_role("button", name="No shapes").click()
+    opened.page.get_by_role("button", name="Remove shapes").click()
     opened.wait(lambda: not opened.viewer.shape_scene._nodes, "no shape")
 
     names = session.robot.joint_names
@@ -338,7 +340,7 @@ def test_files_are_taken_by_the_page(opened: Page, tmp_path: Path) -> None:
     opened.page.get_by_role("tab", name="Files").click()
     opened.upload("Robot (", arm)
     opened.wait(lambda: opened.viewer.session.robot.name == "arm", "the robot")
-    opened.page.get_by_text("arm: 2 joints, 0 hulls").wait_for(timeout=1e3 * PATIENCE)
+    opened.page.get_by_text("arm: 2 joints, no collision model").wait_for(timeout=1e3 * PATIENCE)
     opened.settled()
 
 
@@ -348,9 +350,9 @@ def test_a_map_is_computed_drawn_in_its_colours_cancelled_saved_and_taken_back(
     opened.settled()
     page, tab = opened.page, opened.viewer.reach_tab
     page.get_by_role("tab", name="Reach").click()
-    page.get_by_text("7,938 places, 238,140 poses").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("7,938 positions, 238,140 poses").wait_for(timeout=1e3 * PATIENCE)
     page.get_by_label("Orientations").fill("8")
-    page.get_by_text("7,938 places, 63,504 poses").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("7,938 positions, 63,504 poses").wait_for(timeout=1e3 * PATIENCE)
     page.get_by_role("button", name="Compute").click()
     opened.wait(lambda: tab.map.result is not None, "the map")
     page.get_by_text("of 63,504 poses reached").wait_for(timeout=1e3 * PATIENCE)
@@ -426,7 +428,7 @@ def test_alternatives_are_added_one_is_met_and_all_solutions_are_clicked_through
     assert np.abs(opened.q - q).max() > 0.09
     np.testing.assert_allclose(session.robot.fk(opened.q), second.pose, atol=5e-5)
     page.get_by_role("tab", name="Joints").click()
-    page.get_by_text("nearest limit: panda_joint").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("nearest joint limit: panda_joint").wait_for(timeout=1e3 * PATIENCE)
     assert page.get_by_text("● panda_joint", exact=False).count() >= 1
     viewer.type_target(TIP, session.tip_goals[TIP].targets[1], 1)
     opened.wait(lambda: solutions.text == "something has moved since", "them to be forgotten")
@@ -437,7 +439,7 @@ def test_alternatives_are_added_one_is_met_and_all_solutions_are_clicked_through
     page.get_by_label("Goal", exact=True).click()
     page.get_by_role("option", name="look at", exact=True).click()
     opened.wait(lambda: session.goals[TIP] == "look_at", "the goal")
-    page.get_by_text("Cone [deg]").wait_for(timeout=1e3 * PATIENCE)
+    page.get_by_text("Axis tolerance [deg]").wait_for(timeout=1e3 * PATIENCE)
     page.get_by_text("solved", exact=True).wait_for(timeout=1e3 * PATIENCE)
 
 
@@ -466,7 +468,7 @@ def test_one_tip_of_the_h1_is_dragged_while_its_foot_stays_until_it_is_let_go(
     standing.wait(lambda: session.options.self_collision, "the self-collision")
     page.get_by_label("Balance", exact=True).check(force=True)
     standing.wait(lambda: len(session.options.balance.contacts) == 2, "the balance")
-    for words in ("self-distance", "balance"):
+    for words in ("self-collision", "balance"):
         page.get_by_text(words, exact=True).wait_for(timeout=1e3 * PATIENCE)
     page.get_by_label("right ankle", exact=True).click()
     page.get_by_role("option", name="free", exact=True).click()
@@ -512,7 +514,7 @@ def test_the_front_door_moves_shapes_changes_robots_and_outlives_a_page_closed_i
         first.page = second  # which saw it all, and goes on
         second.get_by_text("solved", exact=True).wait_for(timeout=1e3 * PATIENCE)
         first.wait(lambda: len(viewer.server.get_clients()) == 1, "the page to be gone")
-        second.get_by_label("Look at", exact=True).click()
+        second.get_by_label("Example", exact=True).click()
         second.get_by_role("option", name="H1 on its feet").click()
         first.wait(lambda: viewer.session.robot.name == "h1", "the H1")
         first.wait(lambda: viewer._gripped is None, "no arrows of a shape that is gone")
@@ -520,15 +522,87 @@ def test_the_front_door_moves_shapes_changes_robots_and_outlives_a_page_closed_i
         second.close()
 
 
-def test_on_a_narrow_window_the_target_is_seen_above_the_panel_and_dragged(browser: Any) -> None:
+@pytest.mark.parametrize("window", [(700, 900), (400, 800)])
+def test_on_a_narrow_window_the_picture_is_above_the_panel_which_folds_away(
+    browser: Any, window: tuple[int, int]
+) -> None:
     _, session = EXAMPLES[0].make()
-    with page_of(browser, session, EXAMPLES[0], window=(400, 800)) as page:
+    with page_of(browser, session, EXAMPLES[0], window=window) as page:
+        width, height = window
+        canvas = page.page.locator("canvas").first
+        words = page.page.get_by_text("worst constraint")
+
+        def seen() -> float:
+            """The share of the window that is picture."""
+            box = canvas.bounding_box()
+            assert box["x"] == box["y"] == 0
+            return float(box["width"] * box["height"] / (width * height))
+
+        page.wait(lambda: 0.5 <= seen() < 0.6, "the picture above the panel")
+        panel = page.page.get_by_text("pdoik view", exact=True).bounding_box()
+        assert panel["y"] > height / 2
+        assert panel["x"] < 0.2 * width  # as wide as the window
         page.settled()
-        page.wait(lambda: page.pixel(session.targets[TIP][:3, 3])[1] < 320, "the camera")
-        page.drag(page.viewer.targets.by_tip[TIP], axis=1, pixels=25)
+        target = page.viewer.targets.by_tip[TIP]
+
+        def is_seen() -> bool:
+            x, y = page.pixel(session.targets[TIP][:3, 3])
+            return bool(0.2 * width < x < 0.8 * width and 0.1 * height < y < 0.45 * height)
+
+        page.wait(is_seen, "the camera")
+        page.drag(target, axis=1, pixels=25)
         page.settled()
         reached = session.robot.fk(session.q)
         np.testing.assert_allclose(reached, session.targets[TIP], atol=5e-5)
+
+        page.page.get_by_text("pdoik view", exact=True).click()
+        page.wait(lambda: seen() > 0.99, "the whole window")
+        page.page.get_by_text("pdoik view", exact=True).click()
+        page.wait(lambda: seen() < 0.6 and words.is_visible(), "the panel again")
+
+
+def test_a_half_space_is_a_surface_and_the_nearest_joint_limit_a_ring(browser: Any) -> None:
+    robot = pdoik.Robot.builtin("panda")
+    q = robot.mid_configuration()
+    q[5] = robot.upper[5] - np.radians(3.0)
+    session = Session(robot, pdoik.Options(max_time=5.0), q0=q)
+    session.set_shapes([pdoik.Shape.half_space("floor", (0, 0, 1), (0, 0, -0.05))])
+    session.set_posture(q)
+    with page_of(browser, session) as page:
+        page.settled()
+        places = [(0.63, y, -0.05) for y in (-0.12, 0.33)]  # on the floor, beside the robot
+
+        def darkness() -> list[float]:
+            shot = page.shot()
+            at = [page.pixel(np.array(place)).astype(int) for place in places]
+            return [255.0 - float(np.median(shot[y - 4 : y + 5, x - 4 : x + 5])) for x, y in at]
+
+        page.wait(lambda: min(darkness()) > 12, "the floor")
+        page.page.get_by_label("Shapes", exact=True).uncheck(force=True)
+        page.wait(lambda: max(darkness()) < 8, "no floor")
+
+        scene = page.viewer.limit_scene
+        assert scene._label.text == "panda_joint6: 3.0° to its upper limit"
+        page.page.get_by_text("panda_joint6, 3.0° to its upper limit (1 % of its range)").wait_for(
+            timeout=1e3 * PATIENCE
+        )
+        T = robot.fk(q, "panda_link6")
+        np.testing.assert_allclose(scene._ring.position, T[:3, 3], atol=1e-9)
+        size = 0.085 * robot_size(page.viewer.model)
+        around = [size * np.array([np.cos(a), np.sin(a), 0.0]) for a in np.arange(12) * np.pi / 6]
+
+        def orange() -> int:
+            """Of places on the ring, those that are: the rest are behind the arm."""
+            shot = page.shot()
+            at = [page.pixel(T[:3, :3] @ each + T[:3, 3]).astype(int) for each in around]
+            colors = [shot[y - 3 : y + 4, x - 3 : x + 4].reshape(-1, 3) for x, y in at]
+            return sum(bool((each[:, 0] - each[:, 2]).max() > 90) for each in colors)
+
+        page.wait(lambda: orange() >= 4, "the ring")
+        page.page.get_by_label("Nearest joint limit").uncheck(force=True)
+        page.wait(lambda: orange() == 0, "no ring")
+        page.page.get_by_label("Nearest joint limit").check(force=True)
+        page.wait(lambda: orange() >= 4, "the ring again")
 
 
 ARM = """<robot name="arm">

@@ -193,7 +193,7 @@ def test_several_tips_a_free_tip_and_a_cloud_that_cannot_be_thinned_are_told(
     viewer.reach_tab.start()
     wait(lambda: not viewer.reach_tab.computing)
     assert "cells" in message(viewer)
-    assert viewer.reach_tab.progress.content == "45 places, 540 poses"
+    assert viewer.reach_tab.progress.content == "45 positions, 540 poses"
     assert viewer.reach_tab.compute.visible
     viewer.session.set_goal("panda_link8", "free")
     viewer.reach_tab.start()

@@ -153,15 +153,12 @@ def test_a_urdf_whose_meshes_are_not_there_is_taken_and_says_so(viewer: Viewer) 
     assert "1 links lack meshes" in message(viewer)
 
 
-def test_a_narrow_window_sees_the_same_from_farther_off_and_higher_up() -> None:
+def test_a_narrow_window_sees_the_same_from_farther_off() -> None:
     look_at, position = np.array([0.4, 0.1, 0.4]), np.array([1.4, -1.5, 1.0])
     wide = fitted(look_at, position, 0.7, 1.6)
     np.testing.assert_array_equal(wide, (look_at, position))
     target, camera = fitted(look_at, position, 0.7, 0.46)
     way, before = camera - target, position - look_at
     np.testing.assert_allclose(way / np.linalg.norm(way), before / np.linalg.norm(before))
-    ahead, aside = look_at - camera, np.cross(way, [0.0, 0.0, 1.0])
-    up = np.cross(aside, way) / np.linalg.norm(aside) / np.linalg.norm(way)
-    depth = -ahead @ way / np.linalg.norm(way)
-    share = (ahead @ up) / depth / np.tan(0.35)  # 0 in the middle, 1 at the upper edge
-    assert 0.3 < share < 0.6
+    np.testing.assert_array_equal(target, look_at)
+    assert 1.5 < np.linalg.norm(way) / np.linalg.norm(before) < 3.0

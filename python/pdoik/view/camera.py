@@ -77,13 +77,8 @@ class FittedCamera:
 
 
 def fitted(look_at: FloatArray, position: FloatArray, fov: float, aspect: float) -> View:
-    """The view of a window of that width over height.
-
-    On a window that is higher than wide the middle moves up, clear of the panel.
-    """
+    """The view of a picture of that width over height."""
     target, way = look_at.astype(np.float64), position - look_at
     if aspect < _WIDE:
         way = way * min(_WIDE / aspect, _FARTHEST)
-    if aspect < 1.0:
-        target[2] -= 0.5 * np.tan(fov / 2) * float(np.linalg.norm(way))
     return target, target + way

@@ -76,13 +76,13 @@ def _h1_standing() -> tuple[Model, Session]:
 EXAMPLES: Sequence[Example] = (
     Example(
         name="Panda among shapes",
-        try_this="Drag the hand, or push the box into the arm; Move shape has the other shapes.",
+        try_this="Drag the hand, or push the box into the arm; Move obstacle has the others.",
         make=_panda_among_shapes,
         grip="box",
     ),
     Example(
         name="UR10 and a scanned table",
-        try_this="Drag the hand down beside the box. The points are thinned as Solve, Leaf says.",
+        try_this="Drag the hand down beside the box. Voxel size is how far points are thinned.",
         make=_ur10_and_points,
     ),
     Example(

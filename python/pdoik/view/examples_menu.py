@@ -32,7 +32,7 @@ class ExamplesMenu:
         names = (*(each.name for each in EXAMPLES), OWN)
         self._page = page
         self.menu: Any = gui.add_dropdown(
-            "Look at", names, initial_value=OWN if shown is None else shown.name
+            "Example", names, initial_value=OWN if shown is None else shown.name
         )
         self.words = gui.add_html("")
         self.follow(shown)

@@ -11,7 +11,7 @@ import pdoik
 if TYPE_CHECKING:
     from .page import Page
 
-EVERY_LEAF, SEVERAL = "every leaf", "several"
+EVERY_LEAF, SEVERAL = "all end links", "several"
 
 
 class FilesTab:
@@ -24,21 +24,23 @@ class FilesTab:
         self.robot.on_update(self._robot_chosen)
         self.urdf = gui.add_upload_button("Robot (.urdf)", icon=viser.Icon.UPLOAD)
         self.urdf.on_upload(lambda event: page.take_urdf(event.target.value))
-        self.tip: Any = gui.add_dropdown("Tip", (EVERY_LEAF,))
+        self.tip: Any = gui.add_dropdown("Tip link", (EVERY_LEAF,))
         self.tip.on_update(self._tip_chosen)
-        self.hulls = gui.add_upload_button("Hulls (.yaml)", icon=viser.Icon.UPLOAD)
+        self.hulls = gui.add_upload_button("Collision model (.yaml)", icon=viser.Icon.UPLOAD)
         self.hulls.on_upload(lambda event: page.take_hulls(event.target.value))
         self.fit = gui.add_button(
-            "Fit hulls", hint="Around the collision geometry; takes a while", visible=False
+            "Fit collision model",
+            hint="Around the URDF's geometry; takes a while",
+            visible=False,
         )
         self.fit.on_click(lambda _: page.fit_hulls())
-        self.cloud = gui.add_upload_button("Cloud (.pcd .ply ...)", icon=viser.Icon.UPLOAD)
+        self.cloud = gui.add_upload_button("Point cloud (.pcd .ply ...)", icon=viser.Icon.UPLOAD)
         self.cloud.on_upload(lambda event: page.take_cloud(event.target.value))
-        self.no_cloud = gui.add_button("No cloud")
+        self.no_cloud = gui.add_button("Remove point cloud")
         self.no_cloud.on_click(lambda _: page.drop_cloud())
         self.scene = gui.add_upload_button("Scene (.yaml .scene)", icon=viser.Icon.UPLOAD)
         self.scene.on_upload(lambda event: page.take_scene(event.target.value))
-        self.no_shapes = gui.add_button("No shapes")
+        self.no_shapes = gui.add_button("Remove shapes")
         self.no_shapes.on_click(lambda _: page.drop_shapes())
 
     def show(self, robot: pdoik.Robot, *, from_file: bool) -> None:

@@ -47,12 +47,12 @@ class GoalsPanel:
                 order=i - 100.0,
             )
             self.cones[tip] = gui.add_slider(
-                f"Cone of {name} [deg]" if several else "Cone [deg]",
+                f"Axis tolerance of {name} [deg]" if several else "Axis tolerance [deg]",
                 0.0,
                 _WIDEST,
                 1.0,
                 min(float(np.degrees(goal.cone)), _WIDEST),
-                hint="How far the axis may point off; it may turn about itself anyway",
+                hint="How far the axis may point off its target; it may turn about itself",
                 order=i - 99.5,
             )
             self.by_tip[tip].on_update(self._chosen(tip, on_change))

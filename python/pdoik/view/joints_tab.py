@@ -66,7 +66,7 @@ class JointsTab:
         nearest = nearest_limit(self._robot, q)
         joint = None if nearest is None else nearest.joint
         if nearest is not None:
-            text = f"{_MARK}nearest limit: {limit_text(nearest, self._robot)}"
+            text = f"{_MARK}nearest joint limit: {limit_text(nearest, self._robot)}"
             if text != self.limit.text:
                 self.limit.say(text)
         if joint == self._marked:

@@ -99,7 +99,7 @@ def facts(result: pdoik.Reachability, origin: str) -> str:
     rate = f", {reached.size / result.seconds:,.0f} poses/s" if result.seconds > 0 else ""
     return (
         f"**{reached.sum():,} of {reached.size:,} poses reached** ({reached.mean():.1%}), "
-        f"in {places:,} of {len(grid.positions):,} places; "
+        f"at {places:,} of {len(grid.positions):,} positions; "
         f"{result.seconds:.1f} s{rate}; {origin}"
     )
 
@@ -111,7 +111,7 @@ def legend_html() -> str:
     )
     numbers = "".join(f"<span>{percent} %</span>" for percent in range(0, 101, 25))
     return (
-        '<div style="padding:0 1em 0.4em;font-size:0.85em">orientations reached at a place'
+        '<div style="padding:0 1em 0.4em;font-size:0.85em">share of orientations reached'
         f'<div style="height:1em;border-radius:3px;background:linear-gradient(to right,{stops})">'
         '</div><div style="display:flex;justify-content:space-between;'
         f'font-variant-numeric:tabular-nums">{numbers}</div></div>'

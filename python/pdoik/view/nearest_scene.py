@@ -20,6 +20,7 @@ class NearestScene:
         self._scene = server.scene
         self._color: tuple[int, int, int] | None = None  # as drawn
         self._visible = True
+        self._shown: Shown | None = None  # the last
         self._line: Any = None
         self._label: Any = None
         self._ends: tuple[Any, Any] = None, None
@@ -28,9 +29,12 @@ class NearestScene:
         self._visible = visible
         if not visible:
             self.remove()
+        elif self._shown is not None:
+            self.show(self._shown)
 
     def show(self, shown: Shown) -> None:
         """Follow the posture; red where they are nearer than is asked for."""
+        self._shown = shown
         nearest = shown.nearest
         if nearest is None or nearest.line is None or not self._visible:
             self.remove()

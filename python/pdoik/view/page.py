@@ -13,6 +13,7 @@ import viser
 
 from .examples import Example
 from .goals import GoalKind
+from .limit_scene import LimitScene
 from .model import Model
 from .nearest_scene import NearestScene
 from .obstacle_scene import ObstacleScene
@@ -35,6 +36,7 @@ class Page(Protocol):
     obstacle_scene: ObstacleScene
     shape_scene: ShapeScene
     nearest_scene: NearestScene
+    limit_scene: LimitScene
     read_path: Callable[[Path], Any] | None
 
     def change_options(self, **changes: Any) -> None:

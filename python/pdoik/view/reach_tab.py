@@ -29,11 +29,11 @@ class ReachTab:
         self._lock = threading.Lock()  # two hands may press at once
         self._run: ReachRun | None = None
         with gui.add_folder("Grid"):
-            self.low: Any = gui.add_vector3("Low [m]", (-1.0, -1.0, -1.0), step=0.01)
-            self.high: Any = gui.add_vector3("High [m]", (1.0, 1.0, 1.0), step=0.01)
-            self.step: Any = gui.add_number("Step [mm]", 100.0, step=1.0)
+            self.low: Any = gui.add_vector3("Lowest corner [m]", (-1.0, -1.0, -1.0), step=0.01)
+            self.high: Any = gui.add_vector3("Highest corner [m]", (1.0, 1.0, 1.0), step=0.01)
+            self.step: Any = gui.add_number("Grid step [mm]", 100.0, step=1.0)
             self.orientations: Any = gui.add_number(
-                "Orientations", _ORIENTATIONS, step=1, hint="At each place, spread evenly"
+                "Orientations", _ORIENTATIONS, step=1, hint="At each position, spread evenly"
             )
             self.obstacles = gui.add_checkbox(
                 "Obstacles", True, hint="Keep off the cloud and the ball as they are at the start"
@@ -121,7 +121,7 @@ class ReachTab:
         except ValueError as error:
             self.progress.content = str(error)
         else:
-            self.progress.content = f"{len(grid.positions):,} places, {len(grid):,} poses"
+            self.progress.content = f"{len(grid.positions):,} positions, {len(grid):,} poses"
 
     def _show_running(self, running: bool) -> None:
         self.compute.visible = not running

@@ -49,7 +49,12 @@ class ReplayTab:
         self.time.on_update(self._slid)
         self.speed = gui.add_dropdown("Speed", _SPEEDS, initial_value="1")
         self.speed.on_update(lambda _: self.player.set_speed(float(self.speed.value)))
-        self.signal = gui.add_dropdown("Posture", ("q", "q_des"), initial_value="q")
+        self.signal = gui.add_dropdown(
+            "Signal",
+            ("q", "q_des"),
+            initial_value="q",
+            hint="Measured or desired positions",
+        )
         self.signal.on_update(lambda _: self.seek(self.player.elapsed))
         self.facts = gui.add_markdown("No log.")
 
@@ -120,7 +125,7 @@ def facts(log: Log, elapsed: float, joint_names: list[str]) -> str:
     if "q" in log.signals and "q_des" in log.signals:
         error = log.signals["q_des"][row] - log.signals["q"][row]
         i = int(np.argmax(np.abs(error)))
-        lines.append(f"off by at most {1e3 * error[i]:.2f} mrad or mm: {joint_names[i]}")
+        lines.append(f"largest tracking error {1e3 * error[i]:.2f} mrad or mm: {joint_names[i]}")
     for signal, what in (("dq", "rad/s or m/s"), ("tau", "N m or N")):
         if signal in log.signals:
             values = log.signals[signal][row]

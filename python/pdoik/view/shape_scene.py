@@ -17,6 +17,10 @@ from .shown import Shown
 FloatArray = npt.NDArray[np.float64]
 
 _SHAPE, _SHAPE_TIGHT, _SHAPE_BROKEN = (150, 158, 172), (240, 140, 20), (224, 20, 20)
+_LINES = (138, 146, 161)
+_PLANE = 1.6  # edge of the square that stands for a half-space, over the robot's size
+_PLANE_OPACITY = 0.5
+_CELLS = 8  # of that square's edge
 
 
 class ShapeScene:
@@ -27,6 +31,12 @@ class ShapeScene:
         self._root = server.scene.add_frame("/shapes", show_axes=False)
         self._drawn: tuple[pdoik.Shape, ...] = ()
         self._nodes: dict[str, Any] = {}  # by the shape's name
+        self._plane_edge = _PLANE
+
+    def follow_robot(self, size: float) -> None:
+        """Half-spaces are drawn as large as this robot needs [m]."""
+        self._plane_edge = _PLANE * size
+        self._drawn = ()
 
     def show_shapes(self, visible: bool) -> None:
         self._root.visible = visible
@@ -61,20 +71,28 @@ class ShapeScene:
             node.remove()
         self._nodes = {}
         for k, shape in enumerate(shapes):
-            mesh, T = shape_mesh(shape)
+            mesh, T = shape_mesh(shape, self._plane_edge)
             flat = shape.kind == "half_space"
             self._nodes[shape.name] = self._server.scene.add_mesh_simple(
                 f"/shapes/{k}",
                 np.asarray(mesh.vertices),
                 np.asarray(mesh.faces),
                 color=_SHAPE,
-                opacity=0.2 if flat else None,  # solids that are not opaque hide each other
+                opacity=_PLANE_OPACITY if flat else None,  # glass would hide what is behind it
                 flat_shading=shape.kind in ("box", "convex_mesh", "mesh", "boxes"),
                 side="double" if flat or shape.kind in ("mesh", "distance_field") else "front",
                 cast_shadow=not flat,
                 wxyz=wxyz_of(T[:3, :3]),
                 position=T[:3, 3],
             )
+            if flat:
+                self._server.scene.add_line_segments(
+                    f"/shapes/{k}/grid",
+                    plane_lines(self._plane_edge),
+                    _LINES,
+                    thickness=1.0,
+                    thickness_units="screen",
+                )
         self._drawn = shapes
 
 
@@ -91,3 +109,12 @@ def _alike(a: pdoik.Shape, b: pdoik.Shape) -> bool:
         and np.array_equal(a.vertices, b.vertices)
         and np.array_equal(a.triangles, b.triangles)
     )
+
+
+def plane_lines(edge: float) -> npt.NDArray[np.float32]:
+    """A grid on the square of that edge, in the plane z = 0 about the origin, (N, 2, 3) [m]."""
+    half = edge / 2
+    steps = np.linspace(-half, half, _CELLS + 1)
+    along = [[(x, -half, 0.0), (x, half, 0.0)] for x in steps]
+    across = [[(-half, y, 0.0), (half, y, 0.0)] for y in steps]
+    return np.array(along + across, dtype=np.float32)

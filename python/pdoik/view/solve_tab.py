@@ -45,45 +45,72 @@ class SolveTab:
             order=-95.0,
         )
         self.goal_axis = gui.add_dropdown(
-            "Axis", AXES, initial_value=axis, hint="Of the tip, which is to point", order=-99.0
+            "Axis",
+            AXES,
+            initial_value=axis,
+            hint="Of the tip link: which has to point",
+            order=-99.0,
         )
-        self.method = gui.add_dropdown("Method", METHODS, initial_value=options.method)
+        self.method = gui.add_dropdown(
+            "Method", METHODS, initial_value=options.method, hint="paper: PDO-IK as published"
+        )
         self.clearance = gui.add_slider(
-            "Clearance [mm]", 0.0, 100.0, 1.0, min(1e3 * options.clearance, 100.0)
+            "Clearance [mm]",
+            0.0,
+            100.0,
+            1.0,
+            min(1e3 * options.clearance, 100.0),
+            hint="Least distance between robot and obstacles",
         )
-        self.leaf = gui.add_slider("Leaf [mm]", 0.0, 150.0, 5.0, min(1e3 * obstacles.leaf, 150.0))
+        self.leaf = gui.add_slider(
+            "Voxel size [mm]",
+            0.0,
+            150.0,
+            5.0,
+            min(1e3 * obstacles.leaf, 150.0),
+            hint="Of the point cloud one point is kept in each voxel; 0 keeps all points",
+        )
         self.radii = gui.add_checkbox(
-            "Radii", obstacles.radii, hint="Keep off the points that thinning leaves out, too"
+            "Cover removed points",
+            obstacles.radii,
+            hint="Points that are kept get a radius that covers those that are not",
         )
         self.fixed = gui.add_checkbox(
-            "Fixed hulls",
+            "Base collision",
             options.base_collision,
-            hint="Fail where a point is in a hull that no joint moves",
+            hint="Fail where an obstacle touches a link that no joint moves",
         )
         self.self_collision: Any = gui.add_checkbox(
-            "Self-collision", False, hint="Keep hulls off each other, too"
+            "Self-collision", False, hint="Keep links off each other, too"
         )
         self.balance: Any = gui.add_checkbox(
-            "Balance", False, hint="Keep the centre of mass over the soles"
+            "Balance", False, hint="Keep the centre of mass over the feet"
         )
         with gui.add_folder("Obstacles"):
-            self.ball = gui.add_checkbox("Ball", obstacles.ball is not None)
-            self.radius = gui.add_slider("Radius [mm]", 10.0, 250.0, 5.0, 60.0)
+            self.ball = gui.add_checkbox(
+                "Ball", obstacles.ball is not None, hint="An obstacle to drag"
+            )
+            self.radius = gui.add_slider("Ball radius [mm]", 10.0, 250.0, 5.0, 60.0)
             self.move_shape: Any = gui.add_dropdown(
-                "Move shape", (NOTHING,), visible=False, hint="Which shape has arrows"
+                "Move obstacle", (NOTHING,), visible=False, hint="Which one has arrows"
             )
-            self.move_cloud = gui.add_checkbox("Move cloud", False)
+            self.move_cloud = gui.add_checkbox("Move point cloud", False)
         with gui.add_folder("Show"):
-            self.hulls = gui.add_checkbox("Hulls", True)
-            self.wide_hulls = gui.add_checkbox(
-                "Wide hulls", False, hint="Those that only say where to look for capsules"
+            self.hulls = gui.add_checkbox(
+                "Collision model", True, hint="What is kept off obstacles"
             )
-            self.meshes = gui.add_checkbox("Meshes", True)
+            self.wide_hulls = gui.add_checkbox(
+                "Bounding spheroids", False, hint="Of links: where the capsules are looked at"
+            )
+            self.meshes = gui.add_checkbox("Meshes", True, hint="As the robot looks")
             self.skeleton: Any = gui.add_checkbox("Skeleton", False, hint="Inside the links")
-            self.cloud = gui.add_checkbox("Cloud", True)
+            self.cloud = gui.add_checkbox("Point cloud", True)
             self.shapes = gui.add_checkbox("Shapes", True)
             self.nearest: Any = gui.add_checkbox(
                 "Nearest obstacle", True, hint="A line to it from the robot"
+            )
+            self.limit: Any = gui.add_checkbox(
+                "Nearest joint limit", True, hint="A ring around the joint"
             )
 
         def on_options(event: viser.GuiEvent[Any]) -> None:
@@ -142,6 +169,7 @@ class SolveTab:
             self.cloud,
             self.shapes,
             self.nearest,
+            self.limit,
         ):
             control.on_update(on_parts)
 
@@ -204,3 +232,4 @@ class SolveTab:
         page.obstacle_scene.show_cloud(self.cloud.value)
         page.shape_scene.show_shapes(self.shapes.value)
         page.nearest_scene.show_line(self.nearest.value)
+        page.limit_scene.show_mark(self.limit.value)

@@ -11,6 +11,7 @@ import numpy as np
 import viser
 
 import pdoik
+from pdoik.solids import without_numbers
 
 from .limits import limit_text, nearest_limit
 from .message import Message
@@ -19,6 +20,7 @@ from .shown import Shown
 _WINDOW = 2.0  # [s]
 _GOOD, _NEAR, _BAD, _POSED = "#1b7f3b", "#b26a00", "#b3261e", "#4a5568"
 _WHICH_GOAL = re.compile(r"^goal \d+ of \d+: ")
+_WORDS = {"exhausted": "no solution found", "blocked": "target blocked"}
 _POSED_BY = {"log": "posed by the log", "joints": "posed by hand", "solution": "chosen solution"}
 
 
@@ -70,7 +72,7 @@ def status_html(shown: Shown, meter: Meter) -> str:
     """Status, time, errors, clearance and the worst constraint."""
     result, robot = shown.result, shown.robot
     if shown.origin == "target":
-        word = shown.found.status.replace("_", " ")
+        word = _WORDS.get(shown.found.status, shown.found.status.replace("_", " "))
         good = _NEAR if result.status == "nearest" else _GOOD
         badge = word, good if shown.met_to_tolerance else _BAD
         clock = f"{1e3 * shown.found.time:.3f} ms"
@@ -83,10 +85,10 @@ def status_html(shown: Shown, meter: Meter) -> str:
         ("clearance", _clearance(result, shown)),
         *_nearest(shown),
         *_extras(shown),
-        ("worst constraint", escape(result.worst_constraint)),
+        ("worst constraint", escape(without_numbers(result.worst_constraint))),
         ("", margin_text(result, robot)),
         *_forgiven(result),
-        ("solves", meter.text()),
+        ("solve rate", meter.text()),
     ]
     cells = "".join(
         '<tr><td style="color:#667;padding:0 0.8em 0 0;white-space:nowrap;vertical-align:top">'
@@ -108,7 +110,7 @@ def _words(shown: Shown, badge: str) -> str:
     """Which goal is met, and how it went where the badge does not say it all."""
     message = _WHICH_GOAL.sub("", shown.found.message)  # the view names it
     words = [shown.choice, "" if message == badge else message]
-    text = ": ".join(each for each in words if each)
+    text = without_numbers(": ".join(each for each in words if each))
     return f'<div style="margin-top:0.3em;overflow-wrap:anywhere">{escape(text)}</div>'
 
 
@@ -117,18 +119,19 @@ def _nearest(shown: Shown) -> list[tuple[str, str]]:
     rows = []
     if shown.nearest is not None:
         nearest = shown.nearest
-        rows.append(("nearest obstacle", escape(f"{nearest.obstacle}, from {nearest.part}")))
+        where = f"{nearest.obstacle}, {1e3 * nearest.distance:.1f} mm from {nearest.part}"
+        rows.append(("nearest obstacle", escape(without_numbers(where))))
     limit = nearest_limit(shown.robot, shown.q)
     if limit is not None:
-        rows.append(("nearest limit", escape(limit_text(limit, shown.robot))))
+        rows.append(("nearest joint limit", escape(limit_text(limit, shown.robot))))
     return rows
 
 
 def _clearance(result: pdoik.Result, shown: Shown) -> str:
     if not len(shown.robot.occupancy):
-        return "the robot has no hulls"
+        return "the robot has no collision model"
     counts = {"points": len(shown.obstacles), "shapes": len(shown.cloud.shapes)}
-    named = " and ".join(f"{n} {what}" for what, n in counts.items() if n)
+    named = " and ".join(f"{n} {what[: -1 if n == 1 else None]}" for what, n in counts.items() if n)
     return f"{1e3 * result.clearance:.1f} mm to {named}" if named else "no obstacles"
 
 
@@ -137,14 +140,14 @@ def _forgiven(result: pdoik.Result) -> list[tuple[str, str]]:
     if not result.forgiven_contact:
         return []
     depth = f"{1e3 * result.forgiven_depth:.1f} mm at most"
-    return [("forgiven", f"{escape(result.forgiven_contact)}, {depth}")]
+    return [("tolerated", f"{escape(result.forgiven_contact)}, {depth}")]
 
 
 def _extras(shown: Shown) -> list[tuple[str, str]]:
     """What only some solves ask for."""
     rows = []
     if shown.options.keeps_off_itself(shown.robot) and len(shown.robot.occupancy):
-        rows.append(("self-distance", f"{1e3 * shown.result.self_distance:.1f} mm"))
+        rows.append(("self-collision", f"{1e3 * shown.result.self_distance:.1f} mm between links"))
     if shown.options.balance.contacts:
         lost = shown.result.balance_violation
         rows.append(("balance", f"lost by {1e3 * lost:.1f} mm" if lost > 0 else "held"))

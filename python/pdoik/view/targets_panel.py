@@ -74,10 +74,10 @@ class TargetsPanel:
             pair = (
                 self._gui.add_vector3(name.format("x y z [m]"), (0.0, 0.0, 0.0), step=0.001),
                 self._gui.add_vector3(
-                    name.format("turn [deg]"),
+                    name.format("roll pitch yaw [deg]"),
                     (0.0, 0.0, 0.0),
                     step=0.1,
-                    hint="Roll, pitch, yaw: about the base's x, then y, then z",
+                    hint="About the base's x, then y, then z",
                 ),
             )
         for control in pair:

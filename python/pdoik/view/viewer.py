@@ -30,8 +30,10 @@ from .gizmos import Gizmo
 from .goals import GoalKind
 from .humanoid import floor_height
 from .joints_tab import JointsTab
+from .limit_scene import LimitScene
 from .log import load_log
 from .model import Model, builtin_model, deepest_tip, read_robot, urdf_model
+from .narrow import stack_when_narrow
 from .nearest_scene import NearestScene
 from .obstacle_scene import ObstacleScene
 from .pages import PagesLine
@@ -98,6 +100,7 @@ class Viewer:
         self.obstacle_scene = ObstacleScene(server, 0.13 * size, self._drag_ball, self._drag_cloud)
         self.shape_scene = ShapeScene(server)
         self.nearest_scene = NearestScene(server)
+        self.limit_scene = LimitScene(server)
         self.path_scene = PathScene(server)
         self._path: tuple[str, Any, dict[str, Any]] | None = None  # that is followed
         self._drawing = threading.Lock()  # the robot is replaced by a hand, or posed by the worker
@@ -109,6 +112,7 @@ class Viewer:
 
         gui = server.gui
         gui.set_panel_label("pdoik view")
+        stack_when_narrow(gui)
         self.examples = ExamplesMenu(gui, self, example)
         self.status = Status(gui)
         self.pages = PagesLine(server)
@@ -155,6 +159,7 @@ class Viewer:
             self.targets.show(shown)
             self.balance_scene.show(shown)
             self.nearest_scene.show(shown)
+            self.limit_scene.show(shown)
             self.solve_tab.show(shown)
             if self.joints_tab is not None:
                 if shown.origin != "joints":
@@ -313,7 +318,7 @@ class Viewer:
         if model.urdf is None:
             return
         with self.complaints():
-            self.status.say("fitting hulls ...")
+            self.status.say("fitting a collision model ...")
             fit = fit_occupancy(model.urdf, model.packages, capsules=False)
             known = set(model.robot.link_names)
             text = fit.to_yaml()
@@ -427,6 +432,7 @@ class Viewer:
             self.examples.follow(example)
             self.targets.remove()
             self.balance_scene.remove()
+            self.limit_scene.remove()
             self.robot_scene.remove()
             self.replay_tab.unload()
             self.path_scene.remove()
@@ -438,7 +444,10 @@ class Viewer:
         self.worker.wake()
 
     def _add_robot(self) -> None:
-        self.robot_scene = RobotScene(self.server, self.model, robot_size(self.model))
+        size = robot_size(self.model)
+        self.robot_scene = RobotScene(self.server, self.model, size)
+        self.limit_scene.follow_robot(self.model.robot, size)
+        self.shape_scene.follow_robot(size)
         self.targets = TargetGizmos(
             self.server,
             self.session.tip_goals,
@@ -463,14 +472,11 @@ class Viewer:
         self.reach_tab.follow_robot()
         self.files_tab.show(robot, from_file=self.model.urdf is not None)
         self.solve_tab.apply_parts(self)
-        wide = len(wide_hulls(robot))
-        facts = f"{robot.name}: {robot.dof} joints, {len(robot.occupancy) - wide} hulls"
-        if wide:
-            facts += f" in {wide} wide ones"
+        facts = f"{robot.name}: {robot.dof} joints, {_collision_model(robot)}"
         if self.model.visuals:
             facts += f", meshes of {len(self.model.visuals)} links"
         if not len(robot.occupancy):
-            facts += "; without hulls the solver cannot see obstacles"
+            facts += ": obstacles cannot be seen"
         if self.model.notes:
             facts += f"; {len(self.model.notes)} links lack meshes: {self.model.notes[0]}"
         self.status.say(facts)
@@ -501,3 +507,16 @@ def _at(xyz: FloatArray) -> FloatArray:
 
 def _words(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
+
+
+def _collision_model(robot: pdoik.Robot) -> str:
+    """'collision model of 107 capsules'."""
+    occupancy, bounding = robot.occupancy, wide_hulls(robot)
+    spheres = len(occupancy.spheres)
+    counts = {
+        "spheres": spheres - sum(k < spheres for k in bounding),
+        "spheroids": len(occupancy.spheroids) - sum(k >= spheres for k in bounding),
+        "capsules": len(occupancy.capsules),
+    }
+    named = [f"{count} {kind}" for kind, count in counts.items() if count > 0]
+    return f"collision model of {' and '.join(named)}" if named else "no collision model"

@@ -24,6 +24,7 @@ from pdoik.sim2real.report.words import VERDICTS, number
 
 from ..camera import FittedCamera
 from ..message import Message
+from ..narrow import stack_when_narrow
 from ..pages import PagesLine
 from ..player import Player
 from ..shapes import pose_of
@@ -80,6 +81,7 @@ class DiagnosisViewer:
         notes = self._add_robots(packages)
         gui = server.gui
         gui.set_panel_label("pdoik view: diagnosis")
+        stack_when_narrow(gui)
         self.headline = gui.add_html(_headline(report))
         self.recording: Any = gui.add_dropdown(
             "Recording", tuple(_said(t) for t in self._timelines), initial_value=_said(chosen)
