@@ -18,8 +18,6 @@ std::vector<double> point_margins(const Model& model, const PairMargins& margins
 
 }  // namespace
 
-Pairs::Pairs(const Model& model) : margins(model.robot) {}
-
 Pairs::Pairs(const Model& model, std::shared_ptr<const ShapeSet> set, Held::Solids solids,
              PairMargins margins_in, HullCapsules& fixed)
     : margins(std::move(margins_in)),

@@ -27,7 +27,8 @@ Scene::Scene(const Model& model)
       tolerance_(model.options.clearance_tolerance),
       own_(std::make_shared<CloudState>()),
       cloud_(own_),
-      pairs_(model),
+      alone_(model.robot),
+      pairs_(alone_),
       held_stamp_(new_stamp()) {
   fixed_hulls_.reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   const auto count = static_cast<std::size_t>(model.options.max_obstacles);
@@ -45,6 +46,7 @@ Scene::Scene(const Model& model, const Scene& other)
       tolerance_(other.tolerance_),
       own_(other.own_),
       cloud_(other.cloud_),
+      alone_(other.alone_),
       pairs_(other.pairs_),
       plain_(other.plain_),
       held_stamp_(new_stamp()),
@@ -156,7 +158,7 @@ PairMargins Scene::margins_of(const ShapeSet& shapes, const Held::Solids& solids
   // Rules that were taken in may speak of what has been put down since.
   for (ContactRule& rule : of_scene) rule.optional = rule.optional || !anew;
   const PairMargins::Rules rules{of_scene, of_held};
-  if (rules.empty()) return PairMargins(model_.robot);
+  if (rules.empty()) return alone_;
   return PairMargins(model_.robot, model_.options, things, rules);
 }
 

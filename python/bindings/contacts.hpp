@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <span>
 #include <string>
 #include <tuple>
 #include <variant>

@@ -181,8 +181,9 @@ class Options:
             misprints corrected, from one start, ended as soon as the tolerances hold.
         position_tolerance: Largest position error of a success [m].
         rotation_tolerance: Largest rotation (or axis) error of a success [rad].
-        clearance: Least distance wanted between obstacle points and hulls; negative: how deep they
-            may lie inside, for method "default" with inner "levenberg_marquardt" [m].
+        clearance: Least distance wanted between obstacles and hulls, or what links carry, but for
+            pairs of which a ContactRule says otherwise; negative: how deep points may lie inside,
+            for method "default" with inner "levenberg_marquardt" [m].
         clearance_tolerance: By how much a success may miss `clearance` [m].
         report_clearance: How far obstacles are looked for to tell a result's clearance: beyond
             this it is told as this, or as `clearance` where that is more. Far ones take time among
@@ -210,7 +211,8 @@ class Options:
             Robot.ignored_pairs; None for where that says something of the links: there are such
             pairs (a shipped robot, one with an SRDF) and the hulls are close (there are
             capsules). Not with method "paper". See `keeps_off_itself`.
-        self_clearance: By at least this much [m].
+        self_clearance: By at least this much, but for pairs of which a ContactRule says otherwise
+            [m].
         prefer: "first" ends with the first solution found; "nearest" spends the budget on finding
             one near the posture, or the start if none is given.
         posture_weight: Of the squared distance to the posture against goals and constraints, which

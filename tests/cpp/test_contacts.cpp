@@ -534,6 +534,77 @@ TEST(Contacts, a_tracker_sets_a_box_down_and_a_move_slides_it_along) {
             MotionStatus::BlockedStart);
 }
 
+TEST(Contacts, a_path_slides_a_box_along_its_table) {
+  const Resting at("panda");
+  Solver solver(at.robot, at.options());
+  solver.attach(at.hand, {&at.box, 1});
+  std::vector<std::vector<Goal>> stations;
+  for (int k = 0; k <= 10; ++k) {
+    Eigen::Isometry3d T = at.robot.fk(at.q);
+    T.translation() += 0.01 * (k - 5) * at.table.T_base_shape.linear().col(1) +
+                       1e-4 * at.table.T_base_shape.linear().col(2);
+    stations.push_back({solver.goal(T)});
+  }
+  PathOptions wanted;
+  wanted.max_time = 1e9;
+  PathRequest request;
+  request.stations = stations;
+  for (const std::optional<double> clearance : {std::optional<double>(), std::optional(0.0)}) {
+    solver.set_shapes(Shapes({at.table}, {{"box", "table", clearance}}));
+    if (!clearance) {
+      EXPECT_EQ(solver.solve_path(request, wanted).status, PathStatus::Impossible);
+      continue;
+    }
+    const PathResult path = solver.solve_path(request, wanted);
+    ASSERT_EQ(path.status, PathStatus::Whole);
+    double least = kInfinity;
+    for (Eigen::Index k = 0; k < path.q.rows(); ++k) {
+      const Eigen::VectorXd q = path.q.row(k);
+      least = std::min(least, at.above(q));
+      Result judged;
+      solver.judge(at.robot.fk(q), q, judged);
+      EXPECT_GE(judged.room, -1e-6);
+    }
+    EXPECT_GE(least, -1e-6);
+    EXPECT_LT(least, 1e-3);
+    EXPECT_NEAR(path.clearance, least, 1e-9);
+  }
+}
+
+TEST(Contacts, every_method_keeps_each_pair_apart_as_far_as_is_wanted_of_it) {
+  for (const auto inner : {InnerMethod::LevenbergMarquardt, InnerMethod::Lbfgs}) {
+    int solved = 0, by_rule = 0;
+    for (int seed = 1; seed <= 24; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      Situation at(3 * seed + 1);
+      Options options = timeless(GoalType::Pose, Method::Default, inner);
+      options.max_restarts = 200;
+      options.clearance = 0.02;
+      options.self_collision = true;
+      at.options.clearance = options.clearance;
+      at.options.self_clearance = options.self_clearance;
+      // Of points no negative ones, which one method knows alone.
+      for (ContactRule& rule : at.rules)
+        if (rule.clearance == -0.03) rule.clearance = 0.01;
+      at.of_cup.clear();
+      Solver solver(at.robot, options);
+      solver.attach(at.attachments());
+      solver.set_shapes(Shapes(at.shapes, at.rules));
+      solver.set_obstacles(at.points);
+      const Eigen::VectorXd q = random_configuration(at.robot, at.random, 0.1);
+      const Result result = solver.solve(at.robot.fk(q), q);
+      if (!result.success) continue;
+      ++solved;
+      const auto [obstacles, own] = at.pairs(result.q);
+      EXPECT_GE(least_of(obstacles).room, -2e-6);
+      EXPECT_GE(least_of(own).room, -2e-6);
+      by_rule += least_of(obstacles).distance < options.clearance - 1e-4;
+    }
+    EXPECT_GE(solved, 3);
+    EXPECT_GE(by_rule, 1);
+  }
+}
+
 TEST(Contacts, links_keep_off_one_another_as_far_as_a_rule_says) {
   const Robot robot = Robot::builtin("panda");
   const std::string one = robot.link_names()[1], other = robot.link_names()[6];

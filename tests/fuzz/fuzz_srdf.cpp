@@ -15,6 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<pdoik::LinkPair> pairs;
   try {
     pairs = pdoik::load_srdf_pairs(text);
+    PDOIK_PROPERTY(pdoik::load_srdf_contacts(text).size() >= pairs.size());
   } catch (const pdoik::LoadError& error) {
     PDOIK_PROPERTY(*error.what() != 0);
     return 0;

@@ -251,6 +251,7 @@ def test_what_is_saved_is_read_back(tmp_path: Path) -> None:
         np.testing.assert_array_equal(mine.sample(0.05), theirs.sample(0.05))
 
 
+CUP = {"link_name": "panda_hand", "object": {"id": "cup"}}
 OBJECTS = "scene world collision_objects"
 JOINTS = "request goal_constraints 0 joint_constraints"
 
@@ -266,7 +267,7 @@ JOINTS = "request goal_constraints 0 joint_constraints"
         (f"{OBJECTS} 5 meshes 0 triangles 0", [0, 1, 9], r"\(chips\).*vertex that is not there"),
         (f"{OBJECTS} 0 header frame_id", "panda_link5", r"\(shelf\).*link 'panda_link5'"),
         ("scene world", {}, r"scene0001.yaml: world: has no collision_objects"),
-        ("scene robot_state", {"attached_collision_objects": [1]}, r"robot_state: attached"),
+        ("scene robot_state", {"attached_collision_objects": [CUP]}, r"robot_state: attached"),
         ("request goal_constraints", [], r"request0001.yaml: goal_constraints: has no goal"),
         (f"{JOINTS} 2 position", None, r"request0001.yaml: .*joint_constraints\[2\].position"),
         (f"{JOINTS} 2", {"position": 1}, r"request0001.yaml: .*\[2\]: has no joint_name"),

@@ -217,7 +217,8 @@ def test_moveits_yaml_gives_objects_and_contacts(tmp_path: Path) -> None:
     np.testing.assert_allclose(found["table"].T_base_shape[:3, 3], (1, 0, 0.6))
     np.testing.assert_allclose(found["chips/1"].T_base_shape[:3, 3], (0.9, 0.3, 0.8))
     np.testing.assert_allclose(found["floor"].T_base_shape[:3, 2:].T, [(0, 0, 1), (0, 0, -1)])
-    assert scene.allowed == [("panda_hand", "shelf")]
+    assert scene.allowed == [("panda_hand", "panda_link7"), ("panda_hand", "shelf")]
+    assert all(rule.optional for rule in scene.contacts)  # a robot may lack such links
 
 
 def test_a_named_frame_is_the_base_and_others_are_refused(tmp_path: Path) -> None:

@@ -110,7 +110,7 @@ def swing(robot: pdoik.Robot, seed: int) -> Motion:
 
 def test_the_study_has_the_start_clear(clear: Clear) -> None:
     assert clear.keeps_off_itself
-    assert not clear.at(START).short(clear.options)
+    assert not clear.at(START).short()
 
 
 @pytest.mark.parametrize("seed", [3, 5])
@@ -151,7 +151,7 @@ def test_a_tracker_leads_a_straight_way_around_a_point() -> None:
     assert clear.along(path, 0.02).clearance < GAP
     led = clear.fitted(path, START)
     verdict = clear.along(led, 0.005)
-    assert not verdict.short(clear.options)
+    assert not verdict.short()
     judge = Judge(robot, Path(pdoik.__file__).parent / "robots" / "panda.urdf")
     assert min(judge.to_points(row, ball[None]) for row in led.q[::10]) > 0.0
 

@@ -88,8 +88,8 @@ struct Options {
   /// @name Obstacles
   /// @{
 
-  /// Least distance wanted between obstacle points and hulls; negative: how deep they may lie
-  /// inside, for Method::Default with InnerMethod::LevenbergMarquardt [m].
+  /// Least distance wanted of obstacles where no ContactRule says another; negative: how deep they
+  /// may lie in hulls, of points for Method::Default with InnerMethod::LevenbergMarquardt [m].
   double clearance = 0.0;
   double clearance_tolerance = 1e-6;  ///< by how much a success may miss `clearance` [m]
   /// How far obstacles are looked for to tell Result::clearance: beyond this it is told as this, or
@@ -124,7 +124,7 @@ struct Options {
   /// something of the links: it is known which pairs may touch (the robot has ignored pairs) and
   /// hulls are close (it has capsules). Not with the paper's method.
   std::optional<bool> self_collision = std::nullopt;
-  double self_clearance = 0.0;  ///< by at least this much [m]
+  double self_clearance = 0.0;  ///< by at least this much, or what a ContactRule says [m]
   /// @}
 
   /// @name Which solution

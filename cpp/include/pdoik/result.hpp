@@ -90,8 +90,8 @@ struct Result {
   /// Least distance between hulls of links that are not adjacent, where that is asked for: between
   /// the capsules that hold them, which is never more [m].
   double self_distance = std::numeric_limits<double>::infinity();
-  /// Least of what distances of obstacles are beyond what is wanted of each pair, negative where one
-  /// is nearer: without rules of contact clearance less Options::clearance [m].
+  /// Least of what distances of obstacles are beyond what is wanted of each pair, negative where
+  /// one is nearer: without rules of contact clearance less Options::clearance [m].
   double room = std::numeric_limits<double>::infinity();
   /// The same of what self_distance is of [m].
   double self_room = std::numeric_limits<double>::infinity();

@@ -140,7 +140,7 @@ struct ObstacleView {
   ObstacleView(const ObstacleSet* points_in, double margin_in, const double* own_in = nullptr)
       : points(points_in), margin(margin_in), own(own_in) {}
   /// As they are.
-  ObstacleView(const ObstacleSet& set) : points(&set), margin(0.0) {}
+  ObstacleView(const ObstacleSet& set) : ObstacleView(&set, 0.0) {}
 
   const ObstacleSet* operator->() const { return points; }
   const ObstacleSet& operator*() const { return *points; }

@@ -14,7 +14,7 @@ namespace pdoik::detail {
 /// by its own margin.
 struct Pairs {
   /// Of the robot alone.
-  explicit Pairs(const Model& model);
+  explicit Pairs(const PairMargins& of_links) : margins(of_links) {}
   /// @param fixed  The model's hulls that no joint moves, where they are.
   Pairs(const Model& model, std::shared_ptr<const ShapeSet> shapes, Held::Solids held,
         PairMargins margins, HullCapsules& fixed);

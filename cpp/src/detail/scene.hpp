@@ -123,6 +123,7 @@ class Scene {
   OwnRows copy_;
   CellOrder order_;
   Clearance fixed_;
+  const PairMargins alone_;  ///< of the robot's links, without any rules
   Pairs pairs_;
   std::optional<Pairs> plain_;  ///< where some pair has a clearance of its own
   std::uint64_t held_stamp_, links_stamp_ = 0, points_stamp_ = 0;

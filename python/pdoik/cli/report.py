@@ -44,13 +44,12 @@ def print_report(solution: Solution) -> None:
     for line in advice(solution):
         out.print(f"[bold]try[/] {escape(line)}", highlight=False)
     obstacles = solution.obstacles
-    wanted = solution.options.clearance
-    if result.success and obstacles is not None and solution.surface_clearance < wanted - 1e-6:
-        missing = wanted - solution.surface_clearance
+    if result.success and obstacles is not None and solution.surface_room < -1e-6:
+        missing = -solution.surface_room
         warn(
             f"points that --leaf {obstacles.leaf:g} left out are {length_text(missing)} nearer than"
             " wanted: try --radii, a smaller --leaf,"
-            f" or --clearance {_rounded_up(wanted + missing)}"
+            f" or --clearance {_rounded_up(solution.options.clearance + missing)}"
         )
 
 

@@ -23,6 +23,7 @@ class Solution:
     result: pdoik.Result
     obstacles: Obstacles | None = None
     surface_clearance: float = math.inf  # with the cloud before it was thinned [m]
+    surface_room: float = math.inf  # the same of Result.room [m]
 
     @property
     def answer(self) -> pdoik.Result:

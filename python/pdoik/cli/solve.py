@@ -234,7 +234,7 @@ def _solve(
         return AllSolutions(answer=answer, **about)
     if obstacles is not None:
         judged = solver.judge(question.met(answer), answer.q, obstacles=obstacles.whole())
-        about["surface_clearance"] = judged.clearance
+        about |= {"surface_clearance": judged.clearance, "surface_room": judged.room}
     return Solution(result=answer, **about)
 
 

@@ -105,7 +105,7 @@ class SelfDistance:
         return bodies
 
     def __call__(self, poses: Mapping[str, FloatArray]) -> tuple[float, float]:
-        """The least of them, and of what they are beyond what is wanted [m]; else infinite."""
+        """The least of them, and the least beyond what is wanted; infinite without any [m]."""
         if not self._pairs:
             return np.inf, np.inf
         ends = np.array(

@@ -84,8 +84,9 @@ def read_matrix(
     if len(by_default) != len(values):
         what = f"{len(by_default)} default_entry_names, {len(values)} default_entry_values"
         raise EntryError(file, what, at)
-    pairs = zip(by_default, values, strict=True)
-    defaults = {_name(name): _is_true(value) for name, value in pairs}
+    defaults = {
+        _name(name): _is_true(value) for name, value in zip(by_default, values, strict=True)
+    }
     rules = [_rule(name, "*", may=True) for name, may in defaults.items() if may]
     if rules:
         rules += [_rule(name, "*", may=False) for name, may in defaults.items() if not may]

@@ -39,7 +39,7 @@ class NearestScene:
         if nearest is None or nearest.line is None or not self._visible:
             self.remove()
             return
-        fails = nearest.distance < shown.options.clearance - shown.options.clearance_tolerance
+        fails = shown.result.room < -shown.options.clearance_tolerance
         color = _TOUCHING if fails else _CLEAR
         line = nearest.line.astype(np.float32)
         if color != self._color:

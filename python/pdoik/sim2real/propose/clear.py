@@ -26,13 +26,13 @@ class Verdict:
 
     clearance: float  # to obstacles [m]; inf without any
     self_distance: float  # between the robot's own hulls [m]; inf where that is not judged
+    room: float  # of either, what the least is beyond what is wanted of its pair [m]
     worst: str  # what is nearest, in words
     time: float  # when [s]
 
-    def short(self, options: pdoik.Options, margin: float = 0.0) -> bool:
+    def short(self, margin: float = 0.0) -> bool:
         """Whether it comes nearer than is wanted."""
-        near = self.clearance < options.clearance + margin
-        return near or self.self_distance < options.self_clearance + margin
+        return self.room < margin
 
 
 class Clear:
@@ -119,7 +119,7 @@ class Clear:
     def _is_near(self, path: Path) -> bool:
         every = max(1, round(_LOOK / STEP))
         margin = 0.5 * self.travel(path, _LOOK)
-        return self._nearest(path.q[::every], path.time[::every]).short(self.options, margin)
+        return self._nearest(path.q[::every], path.time[::every]).short(margin)
 
     def _led(self, path: Path) -> Path:
         """The tracker's answers where it follows the path's poses and postures."""
@@ -147,14 +147,21 @@ class Clear:
         verdicts = [self._at_time(q, float(t)) for q, t in zip(rows, times, strict=True)]
         clearance = min(each.clearance for each in verdicts)
         apart = min(each.self_distance for each in verdicts)
-        worst = min(verdicts, key=lambda each: min(each.clearance, each.self_distance))
-        return Verdict(clearance=clearance, self_distance=apart, worst=worst.worst, time=worst.time)
+        worst = min(verdicts, key=lambda each: each.room)
+        return Verdict(
+            clearance=clearance,
+            self_distance=apart,
+            room=worst.room,
+            worst=worst.worst,
+            time=worst.time,
+        )
 
     def _at_time(self, q: FloatArray, time: float) -> Verdict:
         result = self.solver.judge(*self._goal(self._whole(q)), obstacles=self.obstacles)
         return Verdict(
             clearance=float(result.clearance),
             self_distance=float(result.self_distance),
+            room=min(float(result.room), float(result.self_room)),
             worst=result.worst_constraint,
             time=time,
         )

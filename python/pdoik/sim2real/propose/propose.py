@@ -227,7 +227,7 @@ def _check_start(bounds: Bounds) -> None:
         )
     if bounds.clear is not None:
         there = bounds.clear.at(frame.start)
-        if there.short(bounds.clear.options):
+        if there.short():
             raise ValueError(
                 f"the start is not clear ({there.worst}): tell another with --start, or take what"
                 " is too near out of the cloud"
@@ -285,7 +285,7 @@ def _judged(clear: Clear | None, path: Path) -> Verdict | None:
     if clear is None:
         return None
     verdict = clear.along(path)
-    if verdict.short(clear.options, margin=0.5 * clear.travel(path)):
+    if verdict.short(margin=0.5 * clear.travel(path)):
         raise ValueError(
             f"no clear motion was found: {verdict.worst} at {verdict.time:.2f} s; try another"
             " --seed or --start"
