@@ -46,6 +46,10 @@ class ObstacleConstraints {
   /// asked for one after the other.
   double most(int k) {
     const NearPair& pair = hulls_.near(k);
+    const Hull& hull = hulls_.hull(pair);
+    const Vec4 o = obstacles_.of(hull.source, pair.obstacle);
+    // Of what may lie inside, distances are no bound.
+    if (o[3] < 0.0 && !hull.has_capsules()) return distance_constraint(hulls_, hull, o).c;
     const int block = pair.obstacle / kLanes;
     if (k == 0 || pair.hull != bounded_.hull || block != bounded_.block) {
       const bool alone = k + 1 >= count() || hulls_.near(k + 1).hull != pair.hull ||
@@ -56,14 +60,10 @@ class ObstacleConstraints {
                                            block * kLanes, bounded_.distances);
     }
     if (bounded_.is_known) {
-      return obstacles_.margin_of(hulls_.hull(pair).source) -
+      return obstacles_.margin_of(hull.source) -
              static_cast<double>(bounded_.distances[pair.obstacle % kLanes]);
     }
-    const Hull& hull = hulls_.hull(pair);
-    const Vec4 o = obstacles_.of(hull.source, pair.obstacle);
     if (hull.has_capsules()) return capsule_violation(hulls_, hull, o);
-    // Half sums say less of what may lie inside.
-    if (o[3] < 0.0) return distance_constraint(hulls_, hull, o).c;
     return o[3] - half_sum_gap(hull, hulls_.position(hull.a), hulls_.position(hull.b), o);
   }
   /// By the hull's foci, or if it counts by its capsules by dc_da of a point a of their body.
