@@ -42,6 +42,12 @@ def occupancy(
         bool,
         typer.Option("--capsules/--no-capsules", help="Hold each link closely by capsules too."),
     ] = True,
+    pieces: Annotated[
+        bool,
+        typer.Option(
+            "--pieces/--no-pieces", help="Keep the convex parts that links are made of, too."
+        ),
+    ] = True,
 ) -> None:
     """Fit hulls around a robot's collision geometry, and say what they cost.
 
@@ -70,6 +76,7 @@ def occupancy(
             max_hulls=max_hulls,
             paper=paper,
             capsules=capsules,
+            pieces=pieces,
         )
 
     named = Path(robot).name
@@ -113,11 +120,14 @@ def occupancy(
 def _capsule_table(report: FitReport) -> Table:
     """Per link, how many capsules there are and how far their union sticks out."""
     table = Table("link", title="capsules, and how far they stick out", title_justify="left")
-    for name in ("capsules", "mean [mm]", "worst [mm]"):
+    for name in ("capsules", "mean [mm]", "worst [mm]", "pieces"):
         table.add_column(name, justify="right")
     for link in report.links:
         distances = [f"{1e3 * value:.2f}" for value in (link.mean_overhang, link.worst_overhang)]
-        table.add_row(escape(link.link), str(link.n_capsules), *distances)
+        count = str(link.n_pieces) if link.n_pieces else "-"
+        table.add_row(escape(link.link), str(link.n_capsules), *distances, count)
     table.add_section()
-    table.add_row("all", str(sum(link.n_capsules for link in report.links)), "", "")
+    capsules = str(sum(link.n_capsules for link in report.links))
+    pieces = str(sum(link.n_pieces for link in report.links))
+    table.add_row("all", capsules, "", "", pieces)
     return table

@@ -11,6 +11,7 @@ with asks_for("files"):
     from .capsules import AIM, Capsule, fit_capsules, fit_link
     from .fit import fit_occupancy
     from .hulls import Sphere, Spheroid
+    from .pieces import Piece, fit_pieces
     from .report import FitReport, HullReport, LinkReport
     from .result import OccupancyFit
 
@@ -21,9 +22,11 @@ __all__ = [
     "HullReport",
     "LinkReport",
     "OccupancyFit",
+    "Piece",
     "Sphere",
     "Spheroid",
     "fit_capsules",
     "fit_link",
     "fit_occupancy",
+    "fit_pieces",
 ]

@@ -13,6 +13,7 @@ from .capsules import Capsule, fit_link
 from .geometry import LinkGeometry, load_geometry
 from .hulls import Point, Shape, Sphere, Spheroid, around, convex_volume, tidy_point
 from .overhang import Overhang
+from .pieces import Piece, fit_pieces
 from .report import FitReport, HullReport, LinkReport
 from .result import OccupancyFit
 from .split import Part, cover_stages, union_volume
@@ -39,6 +40,7 @@ def fit_occupancy(
     max_hulls: int | None = None,
     paper: bool = False,
     capsules: bool = True,
+    pieces: bool = True,
 ) -> OccupancyFit:
     """Spheres and spheroids that hold the collision geometry of a robot's links.
 
@@ -68,6 +70,8 @@ def fit_occupancy(
             each joint the largest sphere within the adjacent spheroids: it has the paper's count
             of constraints and adds no volume. No capsules then.
         capsules: Fit capsules too.
+        pieces: With capsules, keep the convex parts that a link is made of, where it is made of
+            such (`fit_pieces`): where capsules touch something, they say whether the link does.
 
     Warns:
         OverhangWarning: A link's capsules stick out farther than they should; `report` tells too.
@@ -90,10 +94,14 @@ def fit_occupancy(
 
     if paper:
         fits = [_joint_to_joint(link) for link in solid]
-        return _result(fits, skipped, _joint_spheres(fits), {})
+        return _result(fits, skipped, _joint_spheres(fits), {}, {})
     stages = [_link_stages(link, max_volume_factor, max_parts) for link in solid]
     tight = {link.name: fit_link(link.name, link.triangles) for link in solid} if capsules else {}
-    return _result(_within_budget(stages, max_hulls), skipped, [], tight)
+    exact = {
+        name: fit_pieces(name, link.triangles)
+        for name, link in ((link.name, link) for link in solid if pieces and link.name in tight)
+    }
+    return _result(_within_budget(stages, max_hulls), skipped, [], tight, exact)
 
 
 def _joint_to_joint(link: LinkGeometry) -> _LinkFit:
@@ -161,6 +169,7 @@ def _result(
     skipped: tuple[str, ...],
     joint_spheres: list[Sphere],
     tight: dict[str, tuple[list[Capsule], Overhang]],
+    exact: dict[str, list[Piece]],
 ) -> OccupancyFit:
     spheres, spheroids, rows = list(joint_spheres), [], []
     for fit in fits:
@@ -183,17 +192,24 @@ def _result(
                 )
             )
     report = FitReport(
-        hulls=tuple(rows), links=tuple(_link_report(fit, tight) for fit in fits), skipped=skipped
+        hulls=tuple(rows),
+        links=tuple(_link_report(fit, tight, exact) for fit in fits),
+        skipped=skipped,
     )
     return OccupancyFit(
         spheres=tuple(spheres),
         spheroids=tuple(spheroids),
         report=report,
         capsules=tuple(capsule for found, _ in tight.values() for capsule in found),
+        pieces=tuple(piece for found in exact.values() for piece in found),
     )
 
 
-def _link_report(fit: _LinkFit, tight: dict[str, tuple[list[Capsule], Overhang]]) -> LinkReport:
+def _link_report(
+    fit: _LinkFit,
+    tight: dict[str, tuple[list[Capsule], Overhang]],
+    exact: dict[str, list[Piece]],
+) -> LinkReport:
     found, out = tight.get(fit.link.name, ([], Overhang(0.0, 0.0)))
     return LinkReport(
         link=fit.link.name,
@@ -203,4 +219,5 @@ def _link_report(fit: _LinkFit, tight: dict[str, tuple[list[Capsule], Overhang]]
         n_capsules=len(found),
         mean_overhang=out.mean,
         worst_overhang=out.worst,
+        n_pieces=len(exact.get(fit.link.name, [])),
     )

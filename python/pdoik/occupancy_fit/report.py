@@ -37,6 +37,7 @@ class LinkReport:
     n_capsules: int = 0
     mean_overhang: float = 0.0  # from the capsules' outer surface to the geometry, [m]
     worst_overhang: float = 0.0  # [m]
+    n_pieces: int = 0  # 0: capsules alone say what it touches
 
     @property
     def overhang(self) -> Overhang:
@@ -72,10 +73,12 @@ class FitReport:
         total = f"{geometry:12.3f}{covered:12.3f}{self.factor:8.2f}"
         lines.append(f"{'all':24}{len(self.hulls):6}{total}")
         if any(row.n_capsules for row in self.links):
-            lines.append(f"{'link':24}{'capsules':>9}{'overhang: mean':>17}{'worst':>7}  [mm]")
+            lines.append(
+                f"{'link':24}{'capsules':>9}{'overhang: mean':>17}{'worst':>7} [mm]{'pieces':>8}"
+            )
             for row in self.links:
                 out = f"{1e3 * row.mean_overhang:17.2f}{1e3 * row.worst_overhang:7.2f}"
-                lines.append(f"{row.link:24}{row.n_capsules:9}{out}")
+                lines.append(f"{row.link:24}{row.n_capsules:9}{out}{row.n_pieces:13}")
             lines.append(f"{'all':24}{sum(row.n_capsules for row in self.links):9}")
         lines += [f"{link:24} no collision geometry, skipped" for link in self.skipped]
         return "\n".join(lines)

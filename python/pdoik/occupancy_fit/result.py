@@ -13,6 +13,7 @@ import numpy as np
 from .._files import write_whole
 from .capsules import Capsule
 from .hulls import DECIMALS, FloatArray, Point, Sphere, Spheroid, tidy_point
+from .pieces import Piece
 from .report import FitReport
 
 _PLAIN_NAME = re.compile(r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z_][\w/-]*", re.IGNORECASE)
@@ -26,6 +27,7 @@ class OccupancyFit:
     spheroids: tuple[Spheroid, ...]
     report: FitReport
     capsules: tuple[Capsule, ...] = ()  # hold the same links, closer
+    pieces: tuple[Piece, ...] = ()  # the links themselves
 
     def to_yaml(self, comment: str = "") -> str:
         """The occupancy file's text; reading it back gives these very numbers."""
@@ -50,6 +52,17 @@ class OccupancyFit:
             + "}"
             for hull in self.capsules
         ]
+        if self.pieces:
+            lines.append("pieces:")
+        for piece in self.pieces:
+            vertices = ", ".join(_row(vertex) for vertex in piece.vertices)
+            triangles = ", ".join(f"[{i}, {j}, {k}]" for i, j, k in piece.triangles)
+            lines += [
+                f"  - link: {_name(piece.link)}",
+                f"    tolerance: {_number(piece.tolerance)}",
+                f"    vertices: [{vertices}]",
+                f"    triangles: [{triangles}]",
+            ]
         return "\n".join(lines) + "\n"
 
     def write(self, path: str | Path, comment: str = "") -> None:
@@ -94,6 +107,15 @@ class OccupancyFit:
                     hull.overhang,
                 )
                 for hull in self.capsules
+            ),
+            pieces=tuple(
+                Piece(
+                    move(piece.link, piece.vertices[0])[0],
+                    tuple(move(piece.link, vertex)[1] for vertex in piece.vertices),
+                    piece.triangles,
+                    piece.tolerance,
+                )
+                for piece in self.pieces
             ),
         )
 
