@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -28,7 +29,9 @@ from pdoik._core import Scene, Shape
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
 from pdoik._octomaps import boxes_of_file
+from pdoik.clouds import load_cloud
 from pdoik.errors import LoadError
+from pdoik.scenes.asked import World
 from pdoik.scenes.meshes import find_file, read_mesh
 from pdoik.scenes.pieces import AllowedContact, Kind, Piece, Thing, boxes, half_space
 from pdoik.scenes.values import EntryError, numbers, rotation, rows
@@ -41,6 +44,36 @@ _KINDS = (
     *("convex_mesh", "mesh", "boxes", "octomap"),
 )
 _POSE_KEYS = ("position", "rpy", "xyzw", "T")
+
+
+def read_own(content: Mapping[str, Any], file: Path, packages: Packages = ()) -> World:
+    """All that the file holds.
+
+    Raises:
+        EntryError: Names the entry and what is wrong with it.
+    """
+    unknown = [str(key) for key in content if key not in TOP_KEYS]
+    if unknown or not content:
+        got = f"got {unknown[0]!r}" if unknown else "got nothing"
+        raise EntryError(file, f"expected {', '.join(TOP_KEYS)}, or MoveIt's world; {got}")
+    things = read_shapes(content, file, packages)
+    allowed = read_allowed(content, file)
+    cloud, radii = content.get("cloud"), content.get("radii", False)
+    leaf = float(numbers([content.get("leaf", 0.0)], "l", file, "leaf")[0])
+    if leaf < 0:
+        raise EntryError(file, f"expected metres, at least 0, got {leaf}", "leaf")
+    if not isinstance(radii, bool):
+        raise EntryError(file, f"expected true or false, got {radii!r}", "radii")
+    world = World(things=tuple(things), allowed=tuple(allowed))
+    if cloud is None:
+        return world
+    if not isinstance(cloud, str):
+        raise EntryError(file, f"expected the name of a file, got {cloud!r}", "cloud")
+    try:
+        surface = load_cloud(file.parent / cloud)
+    except ValueError as error:
+        raise EntryError(file, str(error), "cloud") from error
+    return replace(world, surface=surface, leaf=leaf, radii=radii)
 
 
 def read_shapes(content: Mapping[str, Any], file: Path, packages: Packages = ()) -> list[Thing]:
