@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import numpy.typing as npt
 
-from pdoik._addresses import Places
+from pdoik._addresses import Packages, Places
 from pdoik.errors import ObstacleWarning
 from pdoik.scenes.asked import Asked, World, check_names, some
 from pdoik.scenes.own_links import WORLD, OwnLinks
@@ -56,8 +56,7 @@ def read_sdf(file: Path, asked: Asked) -> World:
     Warns:
         ObstacleWarning: Models have links that are seen and cannot be touched.
     """
-    places = Places.of(asked.packages, file)
-    scope = _whole(file, places)
+    scope = _whole(file, asked.packages)
     models = list(_models(scope, np.eye(4)))
     names = [each.scope.name for each in models]
     check_names(asked.without, names, "model", file)
@@ -66,7 +65,7 @@ def read_sdf(file: Path, asked: Asked) -> World:
     out = {*unwanted, *(n for n in names for each in own if _is_in(n, each.scope.name))}
     kept = [each for each in models if each.scope.name not in out]
     for each in kept:
-        _fill(each, places)
+        _fill(each, asked.packages)
     T_base_world = np.linalg.inv(_base(scope, own, asked, file))
     _warn_of_untouchable(kept, file)
     things = [
@@ -87,7 +86,7 @@ def read_sdf(file: Path, asked: Asked) -> World:
     )
 
 
-def _whole(file: Path, places: Places) -> Scope:
+def _whole(file: Path, packages: Packages) -> Scope:
     """The world of a file; around a model that is alone in it, one that is empty."""
     root = root_of(file)
     if root.tag not in ("sdf", "gazebo"):
@@ -103,7 +102,7 @@ def _whole(file: Path, places: Places) -> Scope:
         world.extend(root.findall("model"))
     if world.find("population") is not None:
         raise EntryError(file, "<population> is not read: write out its models")
-    scope = scope_of(world, file, places)
+    scope = scope_of(world, file, packages)
     apply_state(scope)
     return scope
 
@@ -117,9 +116,10 @@ def _models(scope: Scope, T_world_scope: FloatArray, static: bool = False) -> It
         yield from _models(inner, T, is_static)
 
 
-def _fill(model: _Model, places: Places) -> None:
+def _fill(model: _Model, packages: Packages) -> None:
     """The collisions of a model's own links."""
     scope = model.scope
+    places = Places.of(packages, scope.file)
     for link in scope.element.findall("link"):
         link_name = str(link.get("name", ""))
         T_link = model.T_world_model @ scope.pose_of(link_name)
@@ -131,8 +131,7 @@ def _fill(model: _Model, places: Places) -> None:
                 model.untouchable.append(f"{entry}, which nothing touches")
                 continue
             T = T_link @ _pose_in_link(scope, within, link_name, collision)
-            here = Places.of(places, scope.file)
-            piece = piece_of_geometry(collision.find("geometry"), T, scope.file, entry, here)
+            piece = piece_of_geometry(collision.find("geometry"), T, scope.file, entry, places)
             if piece is not None:
                 model.pieces.append(piece)
                 touched = True

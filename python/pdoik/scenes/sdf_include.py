@@ -7,7 +7,7 @@ from copy import deepcopy
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from pdoik._addresses import Places, is_folder
+from pdoik._addresses import Packages, Places, is_folder
 from pdoik.errors import LoadError
 from pdoik.scenes.sdf_frames import Scope
 from pdoik.scenes.values import EntryError
@@ -17,7 +17,9 @@ _DEEPEST = 30  # includes within includes
 _VERSION = re.compile(r"\d+(?:\.\d+)*")
 
 
-def scope_of(element: Element, file: Path, places: Places, name: str = "", depth: int = 0) -> Scope:
+def scope_of(
+    element: Element, file: Path, packages: Packages, name: str = "", depth: int = 0
+) -> Scope:
     """A world or model, and the models in it and in what they include.
 
     Raises:
@@ -31,7 +33,7 @@ def scope_of(element: Element, file: Path, places: Places, name: str = "", depth
             continue
         model, where = child, file
         if child.tag == "include":
-            model, where = _included(child, file, places)
+            model, where = _included(child, file, packages)
             scope.element[k] = model
         called = str(model.get("name", ""))
         if not called:
@@ -39,15 +41,15 @@ def scope_of(element: Element, file: Path, places: Places, name: str = "", depth
         if called in scope.models:
             raise EntryError(file, f"two models are named {called!r}", name)
         within = f"{name}::{called}" if name else called
-        scope.models[called] = scope_of(model, where, places, within, depth + 1)
+        scope.models[called] = scope_of(model, where, packages, within, depth + 1)
     return scope
 
 
-def _included(include: Element, file: Path, places: Places) -> tuple[Element, Path]:
+def _included(include: Element, file: Path, packages: Packages) -> tuple[Element, Path]:
     """The model that an <include> names, as it changes it, and the file that has it."""
     uri = text_of(include, "uri")
     entry = f"include {uri}"
-    path = _model_file(uri, file, places, entry)
+    path = _model_file(uri, file, packages, entry)
     root = root_of(path)
     models = root.findall("model")
     if root.tag not in ("sdf", "gazebo") or len(models) != 1:
@@ -66,14 +68,14 @@ def _included(include: Element, file: Path, places: Places) -> tuple[Element, Pa
     return model, path
 
 
-def _model_file(uri: str, file: Path, places: Places, entry: str) -> Path:
+def _model_file(uri: str, file: Path, packages: Packages, entry: str) -> Path:
     """The file of an address: itself, or the newest that the folder's model.config names."""
     if not uri:
         raise EntryError(file, "an <include> has no <uri>")
     if uri.startswith(("http://", "https://")):
         what = "is not fetched: download the model, and tell the folder above it, packages=[...]"
         raise EntryError(file, what, entry)
-    here = Places.of(places, file)
+    here = Places.of(packages, file)
     for name in ("model.config", "manifest.xml"):
         try:
             config = here.find(f"{uri.rstrip('/')}/{name}")

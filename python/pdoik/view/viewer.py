@@ -342,7 +342,9 @@ class Viewer:
 
     def take_scene(self, file: viser.UploadedFile) -> None:
         with self.complaints():
-            scene = read_scene_file(self._keep(file), packages=self.model.packages)
+            scene = read_scene_file(
+                self._keep(file), packages=self.model.packages, robot=self.model.robot
+            )
             self.session.set_shapes(scene.shapes, scene.allowed)
             self.grip(None)
             if len(scene.surface):
