@@ -366,6 +366,12 @@ def test_an_empty_world_is_told(tmp_path: Path) -> None:
         pdoik.load_scene(written(tmp_path, world("")))
 
 
+def test_a_comment_may_stand_before_the_declaration(tmp_path: Path) -> None:
+    path = written(tmp_path, MUG)
+    path.write_text(f"\n<!-- who wrote it -->\n{path.read_text()}")
+    assert list(found(path)) == ["mug"]
+
+
 def test_a_file_of_one_model_is_a_scene(tmp_path: Path) -> None:
     assert list(found(written(tmp_path, MUG))) == ["mug"]
     assert list(found(written(tmp_path, world(MUG), "cell.xml"))) == ["mug"]

@@ -203,8 +203,10 @@ def test_bodies_are_left_out_by_name_with_what_hangs_on_them(tmp_path: Path) -> 
     assert [s.name for s in scene.shapes] == [
         n for n in NAMES if n not in ("table", "table/1", "pot")
     ]
+    scene = pdoik.load_scene(path, without=["base", "floor", "pot", "geom1"])
+    assert [s.name for s in scene.shapes] == ["table", "table/1", "ball", "door", "door/1", "rock"]
     with pytest.raises(
-        pdoik.LoadError, match=r"world.xml: there is no body 'tabel' .*base, turret"
+        pdoik.LoadError, match=r"world.xml: there is no body or geom 'tabel' .*base, tur"
     ):
         pdoik.load_scene(path, without=["tabel"])
 
@@ -255,6 +257,7 @@ def test_what_is_seen_and_touches_nothing_is_told(tmp_path: Path) -> None:
         pdoik.ObstacleWarning, match=r"nothing can touch glass, ghost, whose contype"
     ):
         pdoik.load_scene(path, robot=arm_of(path))
+    pdoik.load_scene(path, robot=arm_of(path), without=["ghost", "glass"])
     paired = '<contact><pair geom1="glass" geom2="g5"/></contact>'
     path = written(tmp_path, WORLD + seen, more=paired)
     scene = pdoik.load_scene(path, robot=arm_of(path), without=["ghost"])

@@ -96,8 +96,8 @@ def load_scene(
         robot: Leaves the robot out of MuJoCo's and Gazebo's worlds, by the names of its links and
             joints, and allows its base what the file does: contact of what stands still with what
             stands still, and pairs of bodies that MuJoCo is told to exclude.
-        without: Names of objects to be left out: bodies with what hangs on them, models, objects,
-            shapes.
+        without: Names of objects to be left out: bodies with what hangs on them, geoms, models,
+            objects, shapes.
         keyframe: Of MuJoCo's worlds, where what moves stands: a keyframe's name or number. None for
             where the model has it.
 
@@ -193,7 +193,7 @@ def _read_octomap(file: Path, asked: Asked) -> World:
     _refuse_keyframe(file, asked)
     _refuse_frame(file, asked)
     piece = boxes(*boxes_of_file(file), np.eye(4), "")
-    return World(things=(Thing(name=file.stem, pieces=(piece,)),))
+    return _without(World(things=(Thing(name=file.stem, pieces=(piece,)),)), asked, file)
 
 
 def _refuse_frame(file: Path, asked: Asked) -> None:

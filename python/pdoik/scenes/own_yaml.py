@@ -15,7 +15,6 @@ allowed: [[base_link, table]]
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -25,9 +24,6 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._addresses import Packages, Places
-from pdoik._core import Scene, Shape
-from pdoik._extras import asks_for
-from pdoik._files import write_whole
 from pdoik._octomaps import boxes_of_file
 from pdoik.clouds import load_cloud
 from pdoik.errors import LoadError
@@ -121,27 +117,6 @@ def _read_contact(contact: object, file: Path, entry: str) -> AllowedContact:
     raise EntryError(
         file, f"expected [link, shape] or [link, shape, depth >= 0], got {contact!r}", entry
     )
-
-
-@asks_for("files")
-def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """Write shapes and allowed contacts as YAML that `load_scene` reads; the cloud is left out.
-
-    Args:
-        scene: What to write.
-        path: The file, whole or not at all; one that is there is replaced.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    import yaml
-
-    content = {
-        "shapes": [_entry_of(shape) for shape in scene.shapes],
-        "allowed": [list(contact) for contact in scene.allowed],
-    }
-    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
-    write_whole(path, text)
 
 
 def _read_piece(item: Mapping[str, Any], file: Path, entry: str, places: Places) -> Piece:
@@ -284,32 +259,3 @@ def _fields(
         raise EntryError(file, f"expected {{{', '.join(needed)}}}, got {value!r}", entry)
     assert isinstance(value, Mapping)
     return value
-
-
-def _entry_of(shape: Shape) -> dict[str, Any]:
-    """What `_read_piece` reads."""
-    T = np.asarray(shape.T_base_shape)
-    entry: dict[str, Any] = {"name": shape.name}
-    if shape.kind == "half_space":
-        return entry | {"half_space": {"normal": T[:3, 2].tolist(), "point": T[:3, 3].tolist()}}
-    entry[shape.kind] = _size_of(shape)
-    entry["position"] = T[:3, 3].tolist()
-    if not np.array_equal(T[:3, :3], np.eye(3)):
-        from scipy.spatial.transform import Rotation
-
-        entry["xyzw"] = Rotation.from_matrix(T[:3, :3]).as_quat().tolist()
-    return entry
-
-
-def _size_of(shape: Shape) -> Any:
-    size = list(shape.size)
-    match shape.kind:
-        case "box":
-            return size
-        case "sphere":
-            return {"radius": size[0]}
-        case "boxes":
-            return {"low": shape.vertices[0::2].tolist(), "high": shape.vertices[1::2].tolist()}
-        case "convex_mesh" | "mesh":
-            return {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}
-    return {"radius": size[0], "length": size[1]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -13,15 +14,17 @@ from pdoik.scenes.values import EntryError
 
 FloatArray = npt.NDArray[np.float64]
 
+_BEFORE = re.compile(rb"\A(?:\s|<!--.*?-->)+(?=<\?xml)", re.DOTALL)
+
 
 def root_of(file: Path) -> Element:
-    """The root of an XML file.
+    """The root of an XML file; comments may stand before its declaration, as Gazebo lets them.
 
     Raises:
         EntryError: It cannot be read, or is no XML.
     """
     try:
-        return ElementTree.parse(file).getroot()
+        return ElementTree.fromstring(_BEFORE.sub(b"", file.read_bytes(), count=1))
     except (OSError, ElementTree.ParseError, ValueError, LookupError) as error:
         raise EntryError(file, f"not XML: {error}") from error
 

@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element
 
 from pdoik._addresses import Packages, Places, is_folder
 from pdoik.errors import LoadError
-from pdoik.scenes.sdf_frames import Scope
+from pdoik.scenes.sdf.frames import Scope
 from pdoik.scenes.values import EntryError
 from pdoik.scenes.xml import root_of, text_of
 

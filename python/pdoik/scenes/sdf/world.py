@@ -21,10 +21,10 @@ from pdoik.errors import ObstacleWarning
 from pdoik.scenes.asked import Asked, World, check_names, some
 from pdoik.scenes.own_links import WORLD, OwnLinks
 from pdoik.scenes.pieces import AllowedContact, Piece, Thing
-from pdoik.scenes.sdf_frames import Scope
-from pdoik.scenes.sdf_geometry import piece_of_geometry
-from pdoik.scenes.sdf_include import scope_of
-from pdoik.scenes.sdf_state import apply_state
+from pdoik.scenes.sdf.frames import Scope
+from pdoik.scenes.sdf.geometry import piece_of_geometry
+from pdoik.scenes.sdf.include import scope_of
+from pdoik.scenes.sdf.state import apply_state
 from pdoik.scenes.values import EntryError
 from pdoik.scenes.xml import root_of, text_of
 

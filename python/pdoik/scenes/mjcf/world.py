@@ -16,8 +16,8 @@ import numpy.typing as npt
 from pdoik.descriptions.mjcf import model_of_mjcf
 from pdoik.errors import ObstacleWarning
 from pdoik.scenes.asked import Asked, World, check_names, some
-from pdoik.scenes.mjcf_bodies import own_bodies, with_all_below
-from pdoik.scenes.mjcf_geoms import piece_of_geom
+from pdoik.scenes.mjcf.bodies import own_bodies, with_all_below
+from pdoik.scenes.mjcf.geoms import piece_of_geom
 from pdoik.scenes.own_links import WORLD
 from pdoik.scenes.pieces import AllowedContact, Piece, Thing
 from pdoik.scenes.values import EntryError
@@ -58,21 +58,21 @@ class _Reader:
 
     def world(self) -> World:
         """All of it."""
-        check_names(self._asked.without, self._bodies[1:], "body", self._file)
+        without = self._asked.without
+        called = [self._called(g) for g in range(self._model.ngeom)]
+        check_names(without, [*self._bodies[1:], *called], "body or geom", self._file)
         own = own_bodies(self._model, self._bodies, self._joint_names(), self._asked.own)
-        unwanted = {b for b, name in enumerate(self._bodies) if name in self._asked.without}
+        unwanted = {b for b, name in enumerate(self._bodies) if b and name in without}
         out = own | with_all_below(self._model, unwanted)
         T_base_world = np.linalg.inv(self._base(own))
         pieces: dict[str, list[Piece]] = {}
         shape_bodies: dict[str, int] = {}
         untouchable: dict[int, list[str]] = {}
         for g in range(self._model.ngeom):
-            body = int(self._model.geom_bodyid[g])
-            if body in out:
+            body, name = int(self._model.geom_bodyid[g]), called[g]
+            if body in out or name in without:
                 continue
-            named = self._name("GEOM", g)
-            name = named or (self._bodies[body] if body else f"geom{g}")
-            entry = f"geom {named or g} of body {self._bodies[body]}"
+            entry = f"geom {self._name('GEOM', g) or g} of body {self._bodies[body]}"
             if not self._can_touch(g):
                 untouchable.setdefault(body, []).append(name)
                 continue
@@ -87,6 +87,11 @@ class _Reader:
             allowed=tuple(self._allowed(own, shape_bodies)),
             left_out=tuple(self._told(out, untouchable)),
         )
+
+    def _called(self, g: int) -> str:
+        """What a geom's shape is called."""
+        body = int(self._model.geom_bodyid[g])
+        return self._name("GEOM", g) or (self._bodies[body] if body else f"geom{g}")
 
     def _piece(self, g: int, T: FloatArray, entry: str) -> Piece:
         try:
@@ -164,8 +169,8 @@ class _Reader:
         if seen_only:
             _warn(
                 f"{self._file}: nothing can touch {some(seen_only)}, whose contype and conaffinity"
-                " are 0: the robot will go through. Give them one that is not, or leave their"
-                " bodies out with without=[...]"
+                " are 0: the robot will go through. Give them one that is not, or leave them"
+                " out with without=[...]"
             )
         driven = sorted(self._driven() - out)
         if driven and not own:

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import numpy.typing as npt
 
-from pdoik.scenes.sdf_frames import Scope
+from pdoik.scenes.sdf.frames import Scope
 from pdoik.scenes.values import EntryError
 from pdoik.scenes.xml import numbers_of
 
