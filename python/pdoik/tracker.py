@@ -64,7 +64,7 @@ class Tracker(_core.Tracker):
     ) -> None:
         if max_time is not None and not max_time > 0:
             raise ValueError(f"max_time is {max_time}, expected a positive time [s]")
-        settings = {
+        settings: dict[str, Any] = {
             "period": period,
             "max_time": max_time or 0.0,
             "speed_share": speed_share,

@@ -217,7 +217,7 @@ def test_moveits_yaml_gives_objects_and_contacts(tmp_path: Path) -> None:
     np.testing.assert_allclose(found["table"].T_base_shape[:3, 3], (1, 0, 0.6))
     np.testing.assert_allclose(found["chips/1"].T_base_shape[:3, 3], (0.9, 0.3, 0.8))
     np.testing.assert_allclose(found["floor"].T_base_shape[:3, 2:].T, [(0, 0, 1), (0, 0, -1)])
-    assert scene.allowed == [("panda_hand", "shelf")]
+    assert scene.allowed == [("panda_hand", "panda_link7"), ("panda_hand", "shelf")]
 
 
 def test_a_named_frame_is_the_base_and_others_are_refused(tmp_path: Path) -> None:
@@ -298,6 +298,27 @@ def test_a_bad_shape_is_refused_by_file_and_entry(
     path = written(tmp_path, {"shapes": [{"name": "it", **entry}]})
     with pytest.raises(pdoik.LoadError, match=rf"scene.yaml: .*{says}"):
         pdoik.load_scene(path)
+
+
+def test_rules_of_what_is_left_out_need_it_no_longer(tmp_path: Path) -> None:
+    far = [{"name": name, "sphere": 0.1, "position": [9, 9, 9]} for name in ("mug", "jug")]
+    contacts = [
+        {"one": "panda_hand", "other": "mug"},
+        {"one": "panda_link*", "other": "m*", "clearance": 0.05},
+        {"one": "panda_hand", "other": "jug", "clearance": 0.01},
+    ]
+    path = written(tmp_path, {"shapes": far, "contacts": contacts})
+    scene = pdoik.load_scene(path, without=["mug"])
+    assert [shape.name for shape in scene.shapes] == ["jug"]
+    before = pdoik.load_scene(path).contacts
+    assert [rule.clearance for rule in scene.contacts] == [rule.clearance for rule in before]
+    assert [rule.optional for rule in before] == [False, False, False]
+    assert [rule.optional for rule in scene.contacts] == [True, True, False]
+    robot = pdoik.Robot.builtin("panda")
+    solver, q = pdoik.Solver(robot), robot.mid_configuration()
+    assert np.isfinite(solver.judge(robot.fk(q), q, scene).clearance)
+    with pytest.raises(ValueError, match="mug"):
+        solver.judge(robot.fk(q), q, pdoik.Scene(scene.shapes, contacts=before))
 
 
 BALL = {"name": "ball", "sphere": 1}

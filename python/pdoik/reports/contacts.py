@@ -60,7 +60,7 @@ class Wanted:
     """
 
     def __init__(self, ignored: Iterable[tuple[str, str]], rules: Sequence[ContactRule]) -> None:
-        said = [(*pair, -math.inf) for pair in ignored]
+        said: list[tuple[str, str, float | None]] = [(*pair, -math.inf) for pair in ignored]
         said += [(rule.one, rule.other, rule.clearance) for rule in rules]
         # Of as many exact names the last counts, and those with more before those with fewer.
         self._said = [
