@@ -14,7 +14,10 @@ from urllib.parse import unquote
 from .errors import LoadError
 
 StrPath = str | os.PathLike[str]
-_VARIABLES = ("PDOIK_PACKAGE_PATH", "ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+_VARIABLES = (
+    *("PDOIK_PACKAGE_PATH", "ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"),
+    *("GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"),
+)
 _SCHEME = re.compile(r"(package|model|file)://(.*)", re.DOTALL)
 _NAMED = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _IN_URDF = re.compile(

@@ -18,9 +18,10 @@ Faces = npt.NDArray[np.int64]
 
 @asks_for("files")
 def read_triangles(path: Path) -> tuple[FloatArray, Faces]:
-    """Vertices (V, 3) [m, as the file has them] and triangles (T, 3) of a mesh.
+    """Vertices (V, 3) and triangles (T, 3) of a mesh.
 
-    Faces of more corners are cut into triangles. Files other than PLY are read by trimesh.
+    In metres where the file names its unit (COLLADA, 3MF), or else as the file has them. Faces of
+    more corners are cut into triangles. Files other than PLY are read by trimesh.
 
     Raises:
         LoadError: The file cannot be read, holds no triangles, or a vertex is not finite.
@@ -48,6 +49,8 @@ def _of_ply(path: Path) -> tuple[FloatArray, Faces]:
 
 def _of_others(path: Path) -> tuple[FloatArray, Faces]:
     import trimesh
+    from trimesh.units import unit_conversion
 
     mesh = trimesh.load_mesh(path)
-    return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
+    unit = 1.0 if mesh.units is None else unit_conversion(mesh.units, "meters")
+    return unit * np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)

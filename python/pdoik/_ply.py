@@ -86,7 +86,8 @@ def read_ply(content: bytes) -> Ply:
         elif element.name == "face":
             lists = next((columns[name] for name in _CORNERS if name in columns), None)
             if isinstance(lists, _Lists):
-                corners, counts = lists.values.astype(np.int64), lists.lengths
+                with np.errstate(invalid="ignore"):  # what is no number is no vertex's place
+                    corners, counts = lists.values.astype(np.int64), lists.lengths
     if vertices is None:
         raise PlyError("expected vertices with x, y, z, got none")
     if corners.size and not (corners.min() >= 0 and corners.max() < len(vertices)):

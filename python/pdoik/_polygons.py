@@ -23,6 +23,11 @@ def triangulated(vertices: FloatArray, corners: IntArray, counts: IntArray) -> I
         corners: Of all faces one after the other, places in `vertices`.
         counts: The corners of each face, (F,), at least 0.
     """
+    with np.errstate(invalid="ignore", over="ignore"):  # of corners that are not finite
+        return _triangulated(vertices, corners, counts)
+
+
+def _triangulated(vertices: FloatArray, corners: IntArray, counts: IntArray) -> IntArray:
     starts = np.cumsum(counts) - counts
     found = []
     for count in np.unique(counts[counts >= 3]).tolist():
@@ -40,9 +45,8 @@ def triangulated(vertices: FloatArray, corners: IntArray, counts: IntArray) -> I
 def _is_whole(vertices: FloatArray, faces: IntArray, fans: IntArray) -> npt.NDArray[np.bool_]:
     """Whether the triangles about each face's first corner all turn as the face does, (F,)."""
     a, b, c = (vertices[fans[..., k]] for k in range(3))
-    with np.errstate(invalid="ignore", over="ignore"):
-        areas = np.cross(b - a, c - a)  # (F, count - 2, 3)
-        turns = np.einsum("fti,fi->ft", areas, areas.sum(axis=1))
+    areas = np.cross(b - a, c - a)  # (F, count - 2, 3)
+    turns = np.einsum("fti,fi->ft", areas, areas.sum(axis=1))
     return np.asarray((turns >= 0).all(axis=1))
 
 
@@ -50,18 +54,20 @@ def _cut(vertices: FloatArray, face: IntArray) -> IntArray:
     """A face that is not convex, seen along its normal and cut at its ears."""
     from mapbox_earcut import triangulate_float64
 
+    fan = np.array([[0, k, k + 1] for k in range(1, len(face) - 1)])
     points = vertices[face] - vertices[face[0]]
-    around = np.roll(points, -1, axis=0)
-    normal = np.cross(points, around).sum(axis=0)
+    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    if not (np.isfinite(normal).all() and np.isfinite(points).all() and normal.any()):
+        return np.asarray(face[fan])  # no area, or none that is known
     across = np.linalg.svd(normal[None])[2][1:]  # (2, 3), a basis of the plane
-    if np.linalg.det(np.vstack([across, normal])) < 0:
+    if np.linalg.det(np.vstack([across, normal / np.abs(normal).max()])) < 0:
         across = across[::-1]
     flat = np.ascontiguousarray(points @ across.T)
-    cut = triangulate_float64(flat, np.array([len(face)], dtype=np.uint32)).reshape(-1, 3)
-    if len(cut) != len(face) - 2:  # it crosses itself, or has no area
-        cut = np.array([[0, k, k + 1] for k in range(1, len(face) - 1)])
+    ends = np.array([len(face)], dtype=np.uint32)
+    cut = triangulate_float64(flat, ends).reshape(-1, 3).astype(np.int64)
+    if len(cut) != len(face) - 2:  # it crosses itself
+        cut = fan
     a, b, c = (flat[cut[:, k]] for k in range(3))
     (u, v), (s, t) = (b - a).T, (c - a).T
     backward = u * t - v * s < 0
-    cut = np.where(backward[:, None], cut[:, ::-1], cut)
-    return np.asarray(face[cut.astype(np.int64)])
+    return np.asarray(face[np.where(backward[:, None], cut[:, ::-1], cut)])

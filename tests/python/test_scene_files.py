@@ -301,6 +301,27 @@ def test_a_bad_shape_is_refused_by_file_and_entry(
         pdoik.load_scene(path)
 
 
+def test_rules_of_what_is_left_out_need_it_no_longer(tmp_path: Path) -> None:
+    far = [{"name": name, "sphere": 0.1, "position": [9, 9, 9]} for name in ("mug", "jug")]
+    contacts = [
+        {"one": "panda_hand", "other": "mug"},
+        {"one": "panda_link*", "other": "m*", "clearance": 0.05},
+        {"one": "panda_hand", "other": "jug", "clearance": 0.01},
+    ]
+    path = written(tmp_path, {"shapes": far, "contacts": contacts})
+    scene = pdoik.load_scene(path, without=["mug"])
+    assert [shape.name for shape in scene.shapes] == ["jug"]
+    before = pdoik.load_scene(path).contacts
+    assert [rule.clearance for rule in scene.contacts] == [rule.clearance for rule in before]
+    assert [rule.optional for rule in before] == [False, False, False]
+    assert [rule.optional for rule in scene.contacts] == [True, True, False]
+    robot = pdoik.Robot.builtin("panda")
+    solver, q = pdoik.Solver(robot), robot.mid_configuration()
+    assert np.isfinite(solver.judge(robot.fk(q), q, scene).clearance)
+    with pytest.raises(ValueError, match="mug"):
+        solver.judge(robot.fk(q), q, pdoik.Scene(scene.shapes, contacts=before))
+
+
 BALL = {"name": "ball", "sphere": 1}
 
 

@@ -54,10 +54,10 @@ def misuse_fails(subject: str = "") -> Iterator[None]:
 
 
 @contextmanager
-def warnings_told() -> Iterator[None]:
+def warnings_told(kind: type[Warning] = GoalWarning) -> Iterator[None]:
     """Print what the library warns of as lines of this program."""
     with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always", GoalWarning)
+        warnings.simplefilter("always", kind)
         try:
             yield
         finally:

@@ -12,7 +12,7 @@ import pdoik
 from pdoik.clouds import load_cloud
 from pdoik.scenes import SceneFile, read_scene_file
 
-from .messages import fail, misuse_fails, warn
+from .messages import fail, misuse_fails, tell, warn, warnings_told
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -93,7 +93,11 @@ def check_hulls(robot: pdoik.Robot, cloud: Path | None, scene: Path | None) -> N
 
 
 def load_obstacles(
-    file: Path | None, leaf: float, radii: bool, scene_file: Path | None = None
+    file: Path | None,
+    leaf: float,
+    radii: bool,
+    scene_file: Path | None = None,
+    robot: pdoik.Robot | None = None,
 ) -> Obstacles | None:
     """Read a cloud, downsample it, and read a scene; leaves with status 2 when that cannot be done.
 
@@ -102,6 +106,7 @@ def load_obstacles(
         leaf: Edge of the cells [m]; 0 keeps every point. A scene's own cloud has its own.
         radii: Give the points that are kept radii that cover those that are not.
         scene_file: Of shapes and perhaps points; None for none.
+        robot: Which is no obstacle where the scene has it; None if nobody knows it yet.
 
     Returns:
         None where there are neither.
@@ -109,7 +114,7 @@ def load_obstacles(
     if not leaf >= 0:
         fail(f"--leaf: expected metres, at least 0, got {leaf}")
     with misuse_fails():
-        scene = None if scene_file is None else read_scene_file(scene_file)
+        scene = None if scene_file is None else _read_scene(scene_file, robot)
     if file is None:
         if scene is None:
             return None
@@ -131,6 +136,16 @@ def load_obstacles(
         surface = np.concatenate([surface, scene.surface])
         cloud = np.concatenate([_with_radii(cloud), _with_radii(scene.thinned())])
     return Obstacles(file=file, leaf=leaf, surface=surface, cloud=cloud, scene=scene)
+
+
+def _read_scene(file: Path, robot: pdoik.Robot | None) -> SceneFile:
+    """A scene without the robot; what is odd about it and what it leaves out is told."""
+    with warnings_told(pdoik.ObstacleWarning):
+        scene = read_scene_file(file, robot=robot)
+    if out := scene.left_out:
+        more = f" and {len(out) - 6} more" if len(out) > 6 else ""
+        tell(f"{file}: without {', '.join(out[:6])}{more}")
+    return scene
 
 
 def _with_radii(points: FloatArray) -> FloatArray:

@@ -47,7 +47,8 @@ SceneFile = Annotated[
     Path | None,
     typer.Option(
         "--scene",
-        help="Shapes, and perhaps a cloud: .yaml (pdoik's or MoveIt's), .scene.",
+        help="Shapes, and perhaps a cloud: .yaml (pdoik's or MoveIt's), .scene, MuJoCo's .xml,"
+        " Gazebo's .sdf and .world, OctoMap's .bt and .ot; without the robot itself.",
         rich_help_panel=OBSTACLES,
     ),
 ]

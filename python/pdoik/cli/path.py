@@ -205,7 +205,7 @@ def path(
         "costs": costs_of(cost),
         "reconfigure": reconfigure,
     }
-    obstacles = load_obstacles(cloud, leaf, radii, scene)
+    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
     kept = None if obstacles is None else obstacles.kept()
     with misuse_fails(), warnings_told():
         options = pdoik.Options(

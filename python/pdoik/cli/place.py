@@ -165,7 +165,7 @@ def place(
         asked, file, robot, base_link, tip_link, occupancy, srdf, package_dir, xacro_arg
     )
     check_hulls(loaded, cloud, scene)
-    obstacles = load_obstacles(cloud, leaf, radii, scene)
+    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
     refuse_attached(obstacles)
     is_kept = out_file is not None and out_file.suffix.lower() == ".npz"
     is_stopped = False

@@ -181,7 +181,7 @@ def solve(
     T_tip_tool = tool_of(tool, loaded, "--goals")
     warn_of_degrees("--rotation-tolerance", [rotation_tolerance])
     check_hulls(loaded, cloud, scene)
-    obstacles = load_obstacles(cloud, leaf, radii, scene)
+    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
     with misuse_fails(), warnings_told():
         options = pdoik.Options(
             goal=goal,

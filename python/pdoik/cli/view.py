@@ -214,7 +214,7 @@ def view(
         posture = None if q0 is None else numbers(q0, loaded)
         session = Session(loaded, options, posture, goals=goals)
     session.set_thinning(leaf, radii)
-    obstacles = load_obstacles(cloud, leaf, radii, scene)
+    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
     refuse_attached(obstacles)
     if obstacles is not None:
         with misuse_fails(f"--scene {scene}"):

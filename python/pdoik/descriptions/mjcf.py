@@ -34,15 +34,23 @@ def urdf_of_mjcf(path: Path, meshes: Path | None = None) -> str:
     Raises:
         LoadError: MuJoCo is not installed or refuses the file, or a joint is a ball.
     """
+    return _Writer(model_of_mjcf(path), path, meshes).text()
+
+
+def model_of_mjcf(path: Path) -> Any:
+    """MuJoCo's model of a file.
+
+    Raises:
+        LoadError: MuJoCo is not installed or refuses the file.
+    """
     try:
         import mujoco
     except ImportError as error:
         raise LoadError(f"{path} is MJCF: pip install mujoco") from error
     try:
-        model = mujoco.MjModel.from_xml_path(str(path))
+        return mujoco.MjModel.from_xml_path(str(path))
     except (ValueError, RuntimeError) as error:
-        raise LoadError(f"{path}: MuJoCo: {error}") from error
-    return _Writer(model, path, meshes).text()
+        raise LoadError(f"{path}: MuJoCo: {' '.join(str(error).split())}") from error
 
 
 class _Writer:

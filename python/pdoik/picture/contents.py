@@ -120,14 +120,14 @@ def contents_of(
         bones=skeleton(robot, q, tip),
         hulls=placed_hulls(robot, q),
         held=[
-            placed(shape, robot.fk(q, each.link))
+            placed(shape, robot.fk(q, each.links[0]))
             for each in solver.carried
             for shape in each.shapes
         ],
         points=points,
         surface=_surface(surface),
         scene=pdoik.Scene(
-            scene.shapes, cloud=points if len(points) else None, allowed=scene.allowed
+            scene.shapes, cloud=points if len(points) else None, contacts=scene.contacts
         ),
         target=target,
     )

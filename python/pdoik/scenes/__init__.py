@@ -1,10 +1,11 @@
 """Scenes from files and back: a file comes in, a `pdoik.Scene` goes out.
 
-`load` looks at the suffix and hands the content to the reader of its format: `own_yaml`,
-`moveit_yaml` or `moveit_text`. Each gives pieces (`pieces`), which become shapes.
+`load` looks at the suffix and hands the file to the reader of its format: `own_yaml`, `mjcf`,
+`sdf`, `moveit_yaml`, `moveit_text`. Each gives a `World` (`asked`) of `pieces`: shapes are made of
+them, and `plausible` looks at the whole.
 """
 
 from pdoik.scenes.load import SceneFile, load_scene, read_scene_file
-from pdoik.scenes.own_yaml import save_scene
+from pdoik.scenes.save import save_scene
 
 __all__ = ["SceneFile", "load_scene", "read_scene_file", "save_scene"]

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+import re
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from pdoik._core import ContactRule
+from pdoik.scenes import moveit_octomap
 from pdoik.scenes.values import EntryError
 
 _KEYS = ("one", "other", "allowed", "clearance", "optional")
-_OCTOMAP = "<octomap>"  # what MoveIt calls the points
+_PIECE = re.compile(r"(.+)/\d+")
 
 
 def read_rules(value: Any, file: Path, entry: str) -> list[ContactRule]:
@@ -58,6 +60,42 @@ def rule_entry(rule: ContactRule) -> dict[str, Any]:
     return entry | ({"optional": True} if rule.optional else {})
 
 
+def rules_of_pairs(pairs: Iterable[tuple[str, str]], shapes: Iterable[str]) -> list[ContactRule]:
+    """Rules that let links touch these shapes and no others.
+
+    A name also means the pieces of an object: those that may not be touched are ruled out again.
+
+    Args:
+        pairs: (link, shape).
+        shapes: All that there are.
+    """
+    names, by_link = list(shapes), dict[str, list[str]]()
+    for link, shape in pairs:
+        by_link.setdefault(link, []).append(shape)
+    rules = []
+    for link, touched in by_link.items():
+        may = set(touched)
+        rules += [ContactRule(link, shape) for shape in touched]
+        rules += [
+            ContactRule(link, name, allowed=False)
+            for name in names
+            if name not in may and (piece := _PIECE.fullmatch(name)) and piece[1] in may
+        ]
+    return rules
+
+
+def is_pattern(name: str) -> bool:
+    """Whether a rule's name is not exact."""
+    return bool(set("*?") & set(name))
+
+
+def as_optional(rule: ContactRule) -> ContactRule:
+    """The same where there may be nothing of its names."""
+    if rule.clearance is None:
+        return ContactRule(rule.one, rule.other, allowed=False, optional=True)
+    return ContactRule(rule.one, rule.other, clearance=rule.clearance, optional=True)
+
+
 def read_matrix(
     scene: Mapping[str, Any], file: Path, objects: Collection[str] = ()
 ) -> list[ContactRule]:
@@ -84,9 +122,8 @@ def read_matrix(
     if len(by_default) != len(values):
         what = f"{len(by_default)} default_entry_names, {len(values)} default_entry_values"
         raise EntryError(file, what, at)
-    defaults = {
-        _name(name): _is_true(value) for name, value in zip(by_default, values, strict=True)
-    }
+    pairs = zip(by_default, values, strict=True)
+    defaults = {_name(name, objects): _is_true(value) for name, value in pairs}
     rules = [_rule(name, "*", may=True) for name, may in defaults.items() if may]
     if rules:
         rules += [_rule(name, "*", may=False) for name, may in defaults.items() if not may]
@@ -94,7 +131,7 @@ def read_matrix(
     for first, row in zip(names, rows, strict=True):
         enabled = row.get("enabled", []) if isinstance(row, Mapping) else row
         for second, value in zip(names, enabled, strict=False):
-            one, other = _name(first), _name(second)
+            one, other = _name(first, objects), _name(second, objects)
             if one == other:
                 continue
             pair = (other, one) if one in objects and other not in objects else (one, other)
@@ -107,8 +144,10 @@ def read_matrix(
     return rules
 
 
-def _name(name: Any) -> str:
-    return "points" if str(name) == _OCTOMAP else str(name)
+def _name(name: Any, objects: Collection[str]) -> str:
+    """As rules have it: MoveIt's octomap is a shape if the scene has it, or else all points."""
+    is_points = str(name) == moveit_octomap.NAME and str(name) not in objects
+    return "points" if is_points else str(name)
 
 
 def _is_true(value: Any) -> bool:

@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from pdoik._addresses import Packages
-from pdoik._core import Attachment, Cloud, ContactRule, Scene, Shape, voxel_downsample
+from pdoik._addresses import Packages, at_home
+from pdoik._core import Attachment, Cloud, ContactRule, Robot, Scene, Shape, voxel_downsample
 from pdoik._extras import asks_for
 from pdoik._octomaps import boxes_of_file
-from pdoik.clouds import load_cloud
-from pdoik.scenes import moveit_yaml, own_yaml
-from pdoik.scenes.contacts import read_matrix
+from pdoik.scenes import moveit_yaml
+from pdoik.scenes.asked import Asked, World, check_names
+from pdoik.scenes.contacts import as_optional, is_pattern, read_matrix
+from pdoik.scenes.mjcf import read_mjcf
 from pdoik.scenes.moveit_text import read_moveit_text
+from pdoik.scenes.own_links import OwnLinks
+from pdoik.scenes.own_yaml import read_own
 from pdoik.scenes.pieces import Thing, boxes, shapes_of
-from pdoik.scenes.values import EntryError, numbers, read_yaml
+from pdoik.scenes.plausible import warn_of_emptiness, warn_of_units
+from pdoik.scenes.sdf import read_sdf
+from pdoik.scenes.values import EntryError, read_yaml
+from pdoik.scenes.xml import root_of
 
 FloatArray = npt.NDArray[np.float64]
-
-SUFFIXES = (".scene", ".yaml", ".yml", ".bt", ".ot")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,6 +43,7 @@ class SceneFile:
         radii: Whether points that are kept cover those that are not.
         contacts: Rules of contact.
         attached: What links carry, for `Solver.attach_all`.
+        left_out: What the file has beside them, in words.
     """
 
     path: Path
@@ -48,6 +53,7 @@ class SceneFile:
     radii: bool
     contacts: tuple[ContactRule, ...]
     attached: tuple[Attachment, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     def thinned(self) -> FloatArray:
         """The points that are kept, (K, 3) or (K, 4) with a radius each [m]."""
@@ -67,27 +73,49 @@ def load_scene(
     *,
     packages: Packages = (),
     frame: str | None = None,
+    robot: Robot | None = None,
+    without: Sequence[str] = (),
+    keyframe: str | int | None = None,
 ) -> Scene:
     """The obstacles of a file.
 
-    Read are MoveIt's .scene files, MoveIt's PlanningScene as YAML, and pdoik's own YAML (see
-    `pdoik.scenes.own_yaml`). An object of several shapes becomes shapes named id, id/1, id/2 ...
-    Planes are solid on the side away from their normal, cones become pyramids of 48 sides around
-    them, and MoveIt's meshes their convex hulls where those are larger by no more than a hundredth.
+    Read are MuJoCo's worlds (.xml), Gazebo's (SDFormat: .sdf, .world), MoveIt's .scene files and
+    PlanningScene as YAML, OctoMaps (.bt, .ot), and pdoik's own YAML (see `pdoik.scenes.own_yaml`).
+    An object of several shapes becomes shapes named id, id/1, id/2 ... Planes are solid on the side
+    away from their normal however large they are drawn, cones become pyramids of 48 sides around
+    them, ellipsoids polyhedra half a hundredth larger, height fields closed meshes. MuJoCo's meshes
+    are their convex hulls, as it collides them; others' where those are larger by no more than a
+    hundredth, or else meshes. What stands still where the file has it is an obstacle there, and so
+    is what may move.
 
     Args:
-        path: .scene, .yaml or .yml.
-        packages: Folders by the names of packages in `package://` addresses of meshes, or folders
-            that hold packages; see `pdoik.urdf_text` for where else they are looked for. Meshes may
-            also be beside the scene, by the last parts of their addresses.
-        frame: In MoveIt's YAML, what it calls the robot's base frame, when that is not the frame
-            that its objects are in but one that fixed_frame_transforms place.
+        path: The file; its suffix, and of .xml the root, say what it is.
+        packages: Folders by the names of packages in `package://` and `model://` addresses, or
+            folders that hold packages; see `pdoik.urdf_text` for where else they are looked for.
+            Meshes may also be beside the scene, by the last parts of their addresses.
+        frame: Whose frame is the robot's base frame: of MuJoCo's worlds a body or a site, of
+            Gazebo's a model, link or frame (MODEL::LINK). In MoveIt's YAML, what it calls that
+            frame when its objects are not in it but in one that fixed_frame_transforms place. None
+            for the robot's base link where the file has the robot; or else for the world's frame.
+        robot: Leaves the robot out of MuJoCo's and Gazebo's worlds, by the names of its links and
+            joints, and allows its base what the file does: contact of what stands still with what
+            stands still, and pairs of bodies that MuJoCo is told to exclude.
+        without: Names of objects to be left out: bodies with what hangs on them, geoms, models,
+            objects, shapes.
+        keyframe: Of MuJoCo's worlds, where what moves stands: a keyframe's name or number. None for
+            where the model has it.
 
     Raises:
         LoadError: Names the file, the entry, and what is wrong with it; links carry something in
             it, which `pdoik.scenes.read_scene_file` gives beside the obstacles.
+
+    Warns:
+        ObstacleWarning: The file holds nothing, is in millimetres most likely, has a mesh that is
+            open, what nothing touches, or what is driven while no robot is left out.
     """
-    found = read_scene_file(path, packages=packages, frame=frame)
+    found = read_scene_file(
+        path, packages=packages, frame=frame, robot=robot, without=without, keyframe=keyframe
+    )
     if found.attached:
         names = ", ".join(shape.name for each in found.attached for shape in each.shapes)
         what = f"links carry {names}: pdoik.scenes.read_scene_file(path).attached has them"
@@ -101,101 +129,151 @@ def read_scene_file(
     *,
     packages: Packages = (),
     frame: str | None = None,
+    robot: Robot | None = None,
+    without: Sequence[str] = (),
+    keyframe: str | int | None = None,
 ) -> SceneFile:
-    """As `load_scene`, with the cloud's points before thinning.
+    """As `load_scene`, with the cloud's points before thinning, what was left out or is carried.
 
     Raises:
-        LoadError: As `load_scene`.
+        LoadError: As `load_scene`, but for what links carry.
+
+    Warns:
+        ObstacleWarning: As `load_scene`.
     """
-    file = Path(path)
-    suffix = file.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise EntryError(file, f"expected a scene ({', '.join(SUFFIXES)}), got {suffix!r}")
-    if suffix in (".bt", ".ot"):
-        return _scene_file(file, _read_octomap(file), [])
-    content = None if suffix == ".scene" else read_yaml(file)
-    if content is not None and "world" in content:
-        return _read_moveit(content, file, frame, packages)
-    if frame is not None:
-        raise EntryError(file, f"names no frames, expected one that has {frame!r}")
-    if content is None:
-        return _scene_file(file, read_moveit_text(file), [])
-    return _read_own(content, file, packages)
-
-
-def _read_octomap(file: Path) -> list[Thing]:
+    file = at_home(path)
+    read = _READERS.get(file.suffix.lower())
+    if read is None:
+        raise EntryError(file, f"expected a scene ({', '.join(_READERS)}), got {file.suffix!r}")
     if not file.is_file():
         raise EntryError(file, "is a folder" if file.is_dir() else "no such file")
-    low, high = boxes_of_file(file)
-    return [Thing(name=file.stem, pieces=(boxes(low, high, np.eye(4), ""),))]
+    asked = Asked(
+        packages=packages,
+        frame=frame,
+        own=None if robot is None else OwnLinks.of(robot),
+        without=(without,) if isinstance(without, str) else tuple(without),
+        keyframe=keyframe,
+    )
+    return _scene_file(file, read(file, asked))
 
 
-def _read_moveit(
-    content: dict[str, Any], file: Path, frame: str | None, packages: Packages
-) -> SceneFile:
-    things = moveit_yaml.read_world(content, file, frame=frame, packages=packages)
+def _read_xml(file: Path, asked: Asked) -> World:
+    """A world of MuJoCo's or of Gazebo's, which its root tells apart."""
+    match root_of(file).tag:
+        case "mujoco" | "mujocoinclude":
+            return read_mjcf(file, asked)
+        case "sdf" | "gazebo":
+            return _read_sdf(file, asked)
+        case "robot":
+            raise EntryError(file, "is a robot, which Robot.from_urdf reads, and no scene")
+        case tag:
+            raise EntryError(file, f"expected <mujoco> or <sdf>, got <{tag}>")
+
+
+def _read_sdf(file: Path, asked: Asked) -> World:
+    _refuse_keyframe(file, asked)
+    return read_sdf(file, asked)
+
+
+def _read_yaml(file: Path, asked: Asked) -> World:
+    _refuse_keyframe(file, asked)
+    content = read_yaml(file)
+    if "world" not in content:
+        _refuse_frame(file, asked)
+        return _without(read_own(content, file, asked.packages), asked, file)
+    return _without(_read_moveit(content, file, asked), asked, file)
+
+
+def _read_moveit(content: Mapping[str, Any], file: Path, asked: Asked) -> World:
+    things = moveit_yaml.read_world(
+        content,
+        file,
+        links=() if asked.own is None else asked.own.moved,
+        frame=asked.frame,
+        packages=asked.packages,
+    )
     attached = tuple(
         Attachment(each.link, shapes_of([each.thing], file), each.touch_links)
-        for each in moveit_yaml.read_attached(content, file, packages)
+        for each in moveit_yaml.read_attached(content, file, asked.packages)
     )
     contacts = read_matrix(content, file, {thing.name for thing in things})
-    return _scene_file(file, things, contacts, attached=attached)
+    return World(things=tuple(things), contacts=tuple(contacts), attached=attached)
 
 
-def _read_own(content: dict[str, Any], file: Path, packages: Packages) -> SceneFile:
-    unknown = [str(key) for key in content if key not in own_yaml.TOP_KEYS]
-    if unknown or not content:
-        got = f"got {unknown[0]!r}" if unknown else "got nothing"
-        raise EntryError(file, f"expected {', '.join(own_yaml.TOP_KEYS)}, or MoveIt's world; {got}")
-    things = own_yaml.read_shapes(content, file, packages)
-    contacts = own_yaml.read_contacts(content, file)
-    attached = own_yaml.read_attached(content, file, packages)
-    known = {thing.name for thing in things}
-    known |= {shape.name for each in attached for shape in each.shapes}
-    for k, (_, shape, *_) in enumerate(content.get("allowed") or []):
-        if shape not in known and not set("*?") & set(shape):
-            raise EntryError(file, f"there is no shape {shape!r}", f"allowed[{k}]")
-    cloud, radii = content.get("cloud"), content.get("radii", False)
-    leaf = float(numbers([content.get("leaf", 0.0)], "l", file, "leaf")[0])
-    if leaf < 0:
-        raise EntryError(file, f"expected metres, at least 0, got {leaf}", "leaf")
-    if not isinstance(radii, bool):
-        raise EntryError(file, f"expected true or false, got {radii!r}", "radii")
-    if cloud is None:
-        return _scene_file(file, things, contacts, attached=attached)
-    if not isinstance(cloud, str):
-        raise EntryError(file, f"expected the name of a file, got {cloud!r}", "cloud")
-    try:
-        surface = load_cloud(file.parent / cloud)
-    except ValueError as error:
-        raise EntryError(file, str(error), "cloud") from error
-    return _scene_file(
-        file, things, contacts, attached=attached, surface=surface, leaf=leaf, radii=radii
+def _read_text(file: Path, asked: Asked) -> World:
+    _refuse_keyframe(file, asked)
+    _refuse_frame(file, asked)
+    return _without(World(things=tuple(read_moveit_text(file))), asked, file)
+
+
+def _read_octomap(file: Path, asked: Asked) -> World:
+    _refuse_keyframe(file, asked)
+    _refuse_frame(file, asked)
+    piece = boxes(*boxes_of_file(file), np.eye(4), "")
+    return _without(World(things=(Thing(name=file.stem, pieces=(piece,)),)), asked, file)
+
+
+def _refuse_frame(file: Path, asked: Asked) -> None:
+    if asked.frame is not None:
+        raise EntryError(file, f"names no frames, expected one that has {asked.frame!r}")
+
+
+def _refuse_keyframe(file: Path, asked: Asked) -> None:
+    if asked.keyframe is not None:
+        raise EntryError(file, f"has no keyframes, expected one that has {asked.keyframe!r}")
+
+
+def _without(world: World, asked: Asked, file: Path) -> World:
+    """The world but for objects that are to be left out, of which rules may speak nevertheless."""
+    if not asked.without:
+        return world
+    names = [thing.name for thing in world.things]
+    check_names(asked.without, names, "object", file)
+    kept = tuple(thing for thing in world.things if thing.name not in asked.without)
+    out = [thing for thing in world.things if thing.name in asked.without]
+    gone = {name for thing in out for name in (thing.name, *thing.shape_names)}
+    return replace(
+        world,
+        things=kept,
+        contacts=tuple(
+            as_optional(rule) if _may_mean(rule, gone) else rule for rule in world.contacts
+        ),
+        left_out=tuple(f"object {name}" for name in asked.without),
     )
 
 
-def _scene_file(
-    file: Path,
-    things: Sequence[Thing],
-    contacts: Sequence[ContactRule],
-    *,
-    attached: tuple[Attachment, ...] = (),
-    surface: FloatArray | None = None,
-    leaf: float = 0.0,
-    radii: bool = False,
-) -> SceneFile:
+def _may_mean(rule: ContactRule, names: Collection[str]) -> bool:
+    return any(is_pattern(name) or name in names for name in (rule.one, rule.other))
+
+
+def _scene_file(file: Path, world: World) -> SceneFile:
     """A file's content, looked at once as a whole."""
     found = SceneFile(
         path=file,
-        shapes=shapes_of(things, file),
-        surface=np.empty((0, 3)) if surface is None else surface,
-        leaf=leaf,
-        radii=radii,
-        contacts=tuple(contacts),
-        attached=attached,
+        shapes=shapes_of(world.things, file),
+        surface=world.surface,
+        leaf=world.leaf,
+        radii=world.radii,
+        contacts=world.contacts,
+        attached=world.attached,
+        left_out=world.left_out,
     )
     try:
         found.thinned()
     except ValueError as error:
         raise EntryError(file, str(error), "leaf") from error
+    warn_of_emptiness(file, found.shapes, found.surface, found.left_out)
+    warn_of_units(file, found.shapes)
     return found
+
+
+_READERS: dict[str, Callable[[Path, Asked], World]] = {
+    ".xml": _read_xml,
+    ".sdf": _read_sdf,
+    ".world": _read_sdf,
+    ".scene": _read_text,
+    ".yaml": _read_yaml,
+    ".yml": _read_yaml,
+    ".bt": _read_octomap,
+    ".ot": _read_octomap,
+}

@@ -22,8 +22,8 @@ attached:
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -31,13 +31,13 @@ import numpy as np
 import numpy.typing as npt
 
 from pdoik._addresses import Packages, Places
-from pdoik._core import Attachment, ContactRule, Scene, Shape
-from pdoik._extras import asks_for
-from pdoik._files import write_whole
+from pdoik._core import Attachment, ContactRule
 from pdoik._octomaps import boxes_of_file
+from pdoik.clouds import load_cloud
 from pdoik.errors import LoadError
 from pdoik.scenes import fields
-from pdoik.scenes.contacts import read_rules, rule_entry
+from pdoik.scenes.asked import World
+from pdoik.scenes.contacts import is_pattern, read_rules
 from pdoik.scenes.meshes import find_file, read_mesh
 from pdoik.scenes.pieces import Kind, Piece, Thing, boxes, half_space, shapes_of
 from pdoik.scenes.values import EntryError, numbers, rotation, rows
@@ -50,6 +50,40 @@ _KINDS = (
     *("convex_mesh", "mesh", "boxes", "octomap", "distance_field"),
 )
 _POSE_KEYS = ("position", "rpy", "xyzw", "T")
+
+
+def read_own(content: Mapping[str, Any], file: Path, packages: Packages = ()) -> World:
+    """All that the file holds.
+
+    Raises:
+        EntryError: Names the entry and what is wrong with it.
+    """
+    unknown = [str(key) for key in content if key not in TOP_KEYS]
+    if unknown or not content:
+        got = f"got {unknown[0]!r}" if unknown else "got nothing"
+        raise EntryError(file, f"expected {', '.join(TOP_KEYS)}, or MoveIt's world; {got}")
+    things = read_shapes(content, file, packages)
+    attached = read_attached(content, file, packages)
+    contacts = read_contacts(content, file)
+    known = {thing.name for thing in things}
+    known |= {shape.name for each in attached for shape in each.shapes}
+    _check_allowed(content, known, file)
+    cloud, radii = content.get("cloud"), content.get("radii", False)
+    leaf = float(numbers([content.get("leaf", 0.0)], "l", file, "leaf")[0])
+    if leaf < 0:
+        raise EntryError(file, f"expected metres, at least 0, got {leaf}", "leaf")
+    if not isinstance(radii, bool):
+        raise EntryError(file, f"expected true or false, got {radii!r}", "radii")
+    world = World(things=tuple(things), contacts=tuple(contacts), attached=attached)
+    if cloud is None:
+        return world
+    if not isinstance(cloud, str):
+        raise EntryError(file, f"expected the name of a file, got {cloud!r}", "cloud")
+    try:
+        surface = load_cloud(file.parent / cloud)
+    except ValueError as error:
+        raise EntryError(file, str(error), "cloud") from error
+    return replace(world, surface=surface, leaf=leaf, radii=radii)
 
 
 def read_shapes(
@@ -103,6 +137,13 @@ def _read_allowed(contact: object, file: Path, entry: str) -> ContactRule:
     )
 
 
+def _check_allowed(content: Mapping[str, Any], known: Collection[str], file: Path) -> None:
+    """Look whether `allowed` names shapes that are there."""
+    for k, (_, shape, *_) in enumerate(content.get("allowed") or []):
+        if shape not in known and not is_pattern(shape):
+            raise EntryError(file, f"there is no shape {shape!r}", f"allowed[{k}]")
+
+
 def read_attached(
     content: Mapping[str, Any], file: Path, packages: Packages = ()
 ) -> tuple[Attachment, ...]:
@@ -129,32 +170,6 @@ def _read_attachment(item: Any, file: Path, entry: str, packages: Packages) -> A
     things = read_shapes(given, file, packages, f"{entry}.shapes")
     contacts = read_rules(given.get("contacts") or [], file, f"{entry}.contacts")
     return Attachment(links, shapes_of(things, file), may_touch, contacts)
-
-
-@asks_for("files")
-def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """Write shapes and rules of contact as YAML that `load_scene` reads; the cloud is left out.
-
-    Args:
-        scene: What to write.
-        path: The file, whole or not at all; one that is there is replaced. The values of a distance
-            field are in a file beside it, scene.NAME.npz of scene.yaml.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    import yaml
-
-    beside: dict[str, str] = {}  # files of distance fields, by shapes' names
-    for shape in scene.shapes:
-        if shape.kind == "distance_field":
-            beside[shape.name] = fields.write_field(shape, Path(path), beside.values())
-    content = {
-        "shapes": [_entry_of(shape, beside) for shape in scene.shapes],
-        "contacts": [rule_entry(rule) for rule in scene.contacts],
-    }
-    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
-    write_whole(path, text)
 
 
 def _read_piece(item: Mapping[str, Any], file: Path, entry: str, places: Places) -> Piece:
@@ -301,40 +316,3 @@ def _fields(
         raise EntryError(file, f"expected {{{', '.join(needed)}}}, got {value!r}", entry)
     assert isinstance(value, Mapping)
     return value
-
-
-def _entry_of(shape: Shape, beside: Mapping[str, str]) -> dict[str, Any]:
-    """What `_read_piece` reads.
-
-    Args:
-        shape: What is written.
-        beside: The files of distance fields, by shapes' names.
-    """
-    T = np.asarray(shape.T_base_shape)
-    entry: dict[str, Any] = {"name": shape.name}
-    if shape.kind == "half_space":
-        return entry | {"half_space": {"normal": T[:3, 2].tolist(), "point": T[:3, 3].tolist()}}
-    if shape.kind == "distance_field":
-        entry[shape.kind] = {"file": beside[shape.name]}
-    else:
-        entry[shape.kind] = _size_of(shape)
-    entry["position"] = T[:3, 3].tolist()
-    if not np.array_equal(T[:3, :3], np.eye(3)):
-        from scipy.spatial.transform import Rotation
-
-        entry["xyzw"] = Rotation.from_matrix(T[:3, :3]).as_quat().tolist()
-    return entry
-
-
-def _size_of(shape: Shape) -> Any:
-    size = list(shape.size)
-    match shape.kind:
-        case "box":
-            return size
-        case "sphere":
-            return {"radius": size[0]}
-        case "boxes":
-            return {"low": shape.vertices[0::2].tolist(), "high": shape.vertices[1::2].tolist()}
-        case "convex_mesh" | "mesh":
-            return {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}
-    return {"radius": size[0], "length": size[1]}

@@ -22,6 +22,7 @@ Kind = Literal[
 ]  # fmt: skip
 
 _CONE_SIDES = 48
+_ELLIPSOID_SUBDIVISIONS = 3  # of an icosahedron; the polyhedron is 0.5 % larger
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -140,6 +141,22 @@ def cone(radius: float, length: float, T: FloatArray, entry: str) -> Piece:
     side = np.column_stack([ring, following, np.full_like(ring, _CONE_SIDES + 1)])
     faces = np.asarray(np.concatenate([bottom, side]), dtype=np.int64)
     return Piece(kind="convex_mesh", T=T, vertices=vertices, faces=faces, entry=entry)
+
+
+def ellipsoid(radii: FloatArray, T: FloatArray, entry: str) -> Piece:
+    """An ellipsoid by a polyhedron around it that is hardly larger, half axes along those of T [m].
+
+    Raises:
+        ValueError: A half axis is not positive.
+    """
+    import trimesh
+
+    if not (np.isfinite(radii) & (radii > 0)).all():
+        raise ValueError(f"half axes {radii.tolist()} of an ellipsoid must be positive")
+    ball = trimesh.creation.icosphere(subdivisions=_ELLIPSOID_SUBDIVISIONS)
+    inner = np.einsum("ij,ij->i", ball.face_normals, ball.triangles[:, 0]).min()
+    vertices = np.asarray(ball.vertices, dtype=np.float64) / inner * radii
+    return Piece(kind="convex_mesh", T=T, vertices=vertices, entry=entry)
 
 
 def half_space(normal: FloatArray, point: FloatArray, entry: str) -> Piece:

@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 import pdoik
 from pdoik._hulls import PlacedCapsule, PlacedHull, PlacedSpheroid, hull_names, one_hull
-from pdoik.carried import Carried
 
 from .mesh import shape_mesh
 from .surfaces import Surface, onto_spheroid, part_surface
@@ -43,7 +42,7 @@ def nearest_obstacle(
     points: FloatArray,
     shapes: Sequence[pdoik.Shape],
     ball: int | None = None,
-    carried: Sequence[Carried] = (),
+    carried: Sequence[pdoik.Attachment] = (),
 ) -> NearestObstacle | None:
     """The nearest of them; None where nothing is to keep off anything.
 
@@ -72,13 +71,13 @@ def nearest_obstacle(
 
 
 def named_part(
-    name: str, robot: pdoik.Robot, q: FloatArray, carried: Sequence[Carried] = ()
+    name: str, robot: pdoik.Robot, q: FloatArray, carried: Sequence[pdoik.Attachment] = ()
 ) -> Part | None:
     """The part of a robot that results call so: what a link carries, or a hull."""
     for each in carried:
         for shape in each.shapes:
             if shape.name == name:
-                return placed(shape, robot.fk(q, each.link))
+                return placed(shape, robot.fk(q, each.links[0]))
     names = hull_names(robot)
     return one_hull(robot, q, names.index(name)) if name in names else None
 

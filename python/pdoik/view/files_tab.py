@@ -38,7 +38,9 @@ class FilesTab:
         self.cloud.on_upload(lambda event: page.take_cloud(event.target.value))
         self.no_cloud = gui.add_button("Remove point cloud")
         self.no_cloud.on_click(lambda _: page.drop_cloud())
-        self.scene = gui.add_upload_button("Scene (.yaml .scene)", icon=viser.Icon.UPLOAD)
+        self.scene = gui.add_upload_button(
+            "Scene (.yaml .scene .xml .sdf .bt)", icon=viser.Icon.UPLOAD
+        )
         self.scene.on_upload(lambda event: page.take_scene(event.target.value))
         self.no_shapes = gui.add_button("Remove shapes")
         self.no_shapes.on_click(lambda _: page.drop_shapes())

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from pdoik.scenes.contacts import as_optional
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -79,10 +80,3 @@ class Obstacles:
         if self.ball is not None:
             rows = np.concatenate([rows, [[*self.ball.center, self.ball.radius]]])
         return np.ascontiguousarray(rows)
-
-
-def as_optional(rule: pdoik.ContactRule) -> pdoik.ContactRule:
-    """The same where there may be nothing of its names."""
-    if rule.clearance is None:
-        return pdoik.ContactRule(rule.one, rule.other, allowed=False, optional=True)
-    return pdoik.ContactRule(rule.one, rule.other, clearance=rule.clearance, optional=True)

@@ -347,7 +347,9 @@ class Viewer:
 
     def take_scene(self, file: viser.UploadedFile) -> None:
         with self.complaints():
-            scene = read_scene_file(self._keep(file), packages=self.model.packages)
+            scene = read_scene_file(
+                self._keep(file), packages=self.model.packages, robot=self.model.robot
+            )
             if scene.attached:
                 names = ", ".join(shape.name for each in scene.attached for shape in each.shapes)
                 raise ValueError(f"links carry {names} in it, which this page does not know")
