@@ -38,7 +38,7 @@ def test_each_connected_convex_part_is_a_piece_that_holds_it() -> None:
     hulls = [ConvexHull(piece.vertices) for piece in pieces]
     for mesh in meshes:
         held = [
-            (hull.equations[:, :3] @ mesh.vertices.T + hull.equations[:, 3:]).max() < 1e-8
+            (hull.equations[:, :3] @ mesh.vertices.T + hull.equations[:, 3:]).max() < -0.9e-5
             for hull in hulls
         ]
         assert any(held)
@@ -46,7 +46,7 @@ def test_each_connected_convex_part_is_a_piece_that_holds_it() -> None:
         own = trimesh.Trimesh(piece.vertices, piece.triangles)
         assert own.is_watertight
         assert own.volume == pytest.approx(hull.volume, rel=1e-6)
-        assert piece.tolerance < 1e-3
+        assert 1e-5 <= piece.tolerance < 1e-3
 
 
 def test_a_link_that_is_not_made_of_convex_parts_has_none() -> None:
@@ -84,8 +84,9 @@ def test_a_fit_keeps_them_and_solves_are_as_exact_as_the_boxes_they_are(tmp_path
             _to_box(point, np.full(3, 0.05)),
         )
         said = exact.judge(at, q, point[None]).clearance
-        assert (said < 0) == (truly < 0)
-        assert said <= truly + 1e-9
+        assert said < 0 or truly >= 0
+        assert said >= 0 or truly < max(row[3] for row in occupancy.pieces)
+        assert truly < 0 or said <= truly
         touching += truly < 0
         freed += truly >= 0 and wide.judge(at, q, point[None]).clearance < 0
     assert touching > 100
