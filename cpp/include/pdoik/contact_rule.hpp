@@ -12,8 +12,8 @@ namespace pdoik {
 ///
 ///     ContactRule{"base", "table"}                contact does not count
 ///     ContactRule{"finger*", "cube", -0.005}      they may be 5 mm deep in each other
-///     ContactRule{"box", "table", 0.0}            contact and no deeper, whatever
-///     Options::clearance ContactRule{"hand", "*", 0.1}               0.1 m off all else
+///     ContactRule{"box", "table", 0.0}            contact and no deeper
+///     ContactRule{"hand", "*", 0.1}               0.1 m off all else
 ///     ContactRule{"hand", "glass", std::nullopt}  but as the options say off this
 ///
 /// Each side is a name, or a pattern in which `*` stands for any characters and `?` for one. A name
@@ -35,6 +35,7 @@ struct ContactRule {
   /// comes and goes. Else that is an error.
   bool optional = false;
 
+  /// Whether they say the same of the same names.
   bool operator==(const ContactRule&) const = default;
 };
 

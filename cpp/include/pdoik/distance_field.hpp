@@ -31,12 +31,13 @@ class DistanceField {
     Free,      ///< nothing: they are as far as what is known lets them be
     Occupied,  ///< something solid
   };
+  /// How values are to be taken.
   struct Options {
     /// Values of at least this size say no more than that [m]: distances there follow from the
     /// other ones. Infinite if there are none such, negative to tell from the values: the largest,
     /// if a tenth of the cells hold it.
     double truncation = -1.0;
-    Unknown unknown = Unknown::Free;
+    Unknown unknown = Unknown::Free;  ///< what cells count as whose distance is not known
   };
 
   /// Take distances in. Large fields take a moment: some 0.1 s for 200^3 cells, and 1 s where
@@ -51,11 +52,13 @@ class DistanceField {
   /// cell to cell as those lie apart, or nowhere half as fast.
   DistanceField(std::span<const float> values, const std::array<int, 3>& counts, double cell,
                 const Options& options);
+  /// The same with default options.
   DistanceField(std::span<const float> values, const std::array<int, 3>& counts, double cell)
       : DistanceField(values, counts, cell, Options{}) {}
 
+  /// Cells along each axis.
   const std::array<int, 3>& counts() const;
-  /// [m]
+  /// A cell's edge [m].
   double cell() const;
   /// As they are used: of every cell [m].
   std::span<const float> values() const;
