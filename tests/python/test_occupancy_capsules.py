@@ -214,7 +214,10 @@ def test_the_library_loads_the_file(fit: OccupancyFit) -> None:
     occupancy = Occupancy.load(fit.to_yaml())
     assert len(occupancy.capsules) == len(fit.capsules)
     assert occupancy == Occupancy(
-        spheres=fit.spheres, spheroids=fit.spheroids, capsules=fit.capsules
+        spheres=fit.spheres,
+        spheroids=fit.spheroids,
+        capsules=fit.capsules,
+        pieces=fit.pieces,
     )
 
 

@@ -265,7 +265,7 @@ def test_its_distances_are_those_of_many_samples() -> None:
         inside = np.linalg.norm(point - a) + np.linalg.norm(point - b) < 2 * semi_major
         found = to_spheroid(point[None], a, b, semi_major)[0]
         assert found == pytest.approx(-nearest if inside else nearest, abs=3e-3)
-    mesh = SHAPES[-1]
+    mesh = next(shape for shape in SHAPES if shape.name == "wedge")
     corners = mesh.vertices @ mesh.T_base_shape[:3, :3].T + mesh.T_base_shape[:3, 3]
     weights = rng.dirichlet(np.full(3, 1.0), 1000)
     skin = np.concatenate([weights @ corners[triangle] for triangle in mesh.triangles])

@@ -223,7 +223,7 @@ def test_an_occupancy_gives_back_what_it_was_given() -> None:
     assert hash(array) == hash(HULLS)
     assert pdoik.Occupancy(spheres=HULLS.spheres) != HULLS
     assert HULLS != "hulls"
-    assert "1 spheres, 1 spheroids and 0 capsules" in repr(HULLS)
+    assert "1 spheres, 1 spheroids, 0 capsules and 0 pieces" in repr(HULLS)
     capsule = ("c", (0.0, 0.1, 0.0), (0.0, 0.2, 1 / 3), 0.05)
     closer = pdoik.Occupancy(spheres=HULLS.spheres, spheroids=HULLS.spheroids, capsules=[capsule])
     assert closer.capsules == [(*capsule, 0.0)]

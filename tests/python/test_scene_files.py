@@ -304,9 +304,9 @@ def test_a_bad_shape_is_refused_by_file_and_entry(
 def test_rules_of_what_is_left_out_need_it_no_longer(tmp_path: Path) -> None:
     far = [{"name": name, "sphere": 0.1, "position": [9, 9, 9]} for name in ("mug", "jug")]
     contacts = [
-        {"one": "panda_hand", "other": "mug"},
+        {"one": "panda_link7", "other": "mug"},
         {"one": "panda_link*", "other": "m*", "clearance": 0.05},
-        {"one": "panda_hand", "other": "jug", "clearance": 0.01},
+        {"one": "panda_link7", "other": "jug", "clearance": 0.01},
     ]
     path = written(tmp_path, {"shapes": far, "contacts": contacts})
     scene = pdoik.load_scene(path, without=["mug"])

@@ -11,6 +11,7 @@ from .solution import AllSolutions, Solution, distance_to
 _FIGURES = (  # of a Result
     *("q", "success", "status", "message", "goal_index", "position_error", "rotation_error"),
     *("clearance", "center_of_mass", "balance_violation", "self_distance", "limit_violation"),
+    *("room", "self_room"),
     *("worst_constraint", "worst_violation", "forgiven_contact", "forgiven_depth"),
     *("dq_dT", "manipulability", "singular_distance"),
     *("iterations", "evaluations", "restarts", "intake", "late_evaluations", "time"),
