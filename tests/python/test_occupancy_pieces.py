@@ -89,8 +89,8 @@ def test_a_fit_keeps_them_and_solves_are_as_exact_as_the_boxes_they_are(tmp_path
         assert truly < 0 or said <= truly
         touching += truly < 0
         freed += truly >= 0 and wide.judge(at, q, point[None]).clearance < 0
-    assert touching > 100
-    assert freed > 20
+    assert touching > 20
+    assert freed > 5
 
 
 def _to_box(point: np.ndarray, half: np.ndarray) -> float:
