@@ -97,10 +97,10 @@ class Search {
 
   /// Down the slope from the point of the least value so far, within the solid.
   void descend() {
-    constexpr int kMostSteps = 60;
+    constexpr int kMostDescents = 60;
     double step = field_.cell();
     const double shortest = 1e-4 * field_.cell();
-    for (int n = 0; n < kMostSteps && step > shortest; ++n) {
+    for (int n = 0; n < kMostDescents && step > shortest; ++n) {
       const double slope = std::sqrt(dot3(gradient_, gradient_));
       if (!(slope > 0.0)) return;
       step =
