@@ -1,12 +1,18 @@
 """Convex pieces of links: what they hold, how far they stand out, and solves by them."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import trimesh
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 import pdoik
 from pdoik.occupancy_fit import fit_occupancy, fit_pieces
+from pdoik.occupancy_fit.pieces import TOLERANCE
+
+FloatArray = NDArray[np.float64]
 
 URDF = """<robot name="stick">
   <link name="base"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
@@ -49,12 +55,81 @@ def test_each_connected_convex_part_is_a_piece_that_holds_it() -> None:
         assert 1e-5 <= piece.tolerance < 1e-3
 
 
-def test_a_link_that_is_not_made_of_convex_parts_has_none() -> None:
-    ring = trimesh.creation.torus(0.1, 0.03)
-    assert fit_pieces("link", np.asarray(ring.triangles)) == []
-    assert fit_pieces("link", np.asarray(ring.triangles)[:40]) == []
-    flat = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    assert fit_pieces("link", flat) == []
+_CHORD = 0.07 * (1 - np.cos(np.pi / 25))  # of the coarsest ring's hole [m]
+
+
+def _ring(sections: int) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    """A torus whose hole is 14 cm wide, and how far places are outside it, < 0 inside [m]."""
+    mesh = trimesh.creation.torus(0.1, 0.03, major_sections=sections, minor_sections=sections)
+
+    def outside(places: FloatArray) -> FloatArray:
+        across = np.linalg.norm(places[:, :2], axis=1) - 0.1
+        return np.hypot(across, places[:, 2]) - 0.03
+
+    return np.asarray(mesh.triangles), outside
+
+
+def _bracket() -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    """An L of two plates 2 cm thick, closed, its inner corner sharp."""
+    outline = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.02], [0.02, 0.02], [0.02, 0.1], [0.0, 0.1]])
+    faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 5], [3, 4, 5]])
+    mesh = trimesh.creation.extrude_triangulation(outline, faces, 0.05)
+    boxes = [([0, 0, 0], [0.2, 0.02, 0.05]), ([0, 0, 0], [0.02, 0.1, 0.05])]
+
+    def outside(places: FloatArray) -> FloatArray:
+        gaps = [np.maximum(np.array(low) - places, places - np.array(high)) for low, high in boxes]
+        return np.min(
+            [
+                np.linalg.norm(np.maximum(gap, 0.0), axis=1) + np.minimum(gap.max(axis=1), 0.0)
+                for gap in gaps
+            ],
+            axis=0,
+        )
+
+    return np.asarray(mesh.triangles), outside
+
+
+@pytest.mark.parametrize(
+    ("body", "most", "turned"),
+    [(_ring(25), 60, True), (_bracket(), 8, False), (_bracket(), 8, True)],
+)
+def test_pieces_hold_a_concave_body_and_stand_out_no_farther_than_they_say(
+    body: tuple[FloatArray, Callable[[FloatArray], FloatArray]], most: int, turned: bool
+) -> None:
+    triangles, outside = body
+    if turned:  # the other way round: no normal can be trusted
+        triangles = triangles[:, ::-1]
+    pieces = fit_pieces("link", triangles)
+    assert 2 <= len(pieces) <= most
+    planes = [ConvexHull(piece.vertices).equations for piece in pieces]
+
+    def beyond_pieces(places: FloatArray) -> FloatArray:
+        return np.min([(places @ p[:, :3].T + p[:, 3]).max(axis=1) for p in planes], axis=0)
+
+    mesh = trimesh.Trimesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
+    on, _ = trimesh.sample.sample_surface(mesh, 20_000, seed=1)
+    assert beyond_pieces(np.asarray(on)).max() < 0.0
+    low, high = mesh.bounds
+    anywhere = np.random.default_rng(1).uniform(low, high, (40_000, 3))
+    deep = anywhere[outside(anywhere) < -0.008]
+    assert len(deep) > 500
+    assert (beyond_pieces(deep) < 0.0).all()
+    for piece in pieces:
+        assert piece.tolerance <= TOLERANCE
+        faces = trimesh.Trimesh(piece.vertices, piece.triangles)
+        out = outside(np.asarray(trimesh.sample.sample_surface(faces, 4000, seed=2)[0]))
+        assert out.max() < piece.tolerance + _CHORD + 2e-4  # what lies between the measured places
+
+
+def test_sheets_and_scraps_become_thin_pieces() -> None:
+    flat = np.array([[[0.0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]])
+    (piece,) = fit_pieces("link", flat)
+    assert np.ptp(np.array(piece.vertices)[:, 2]) < 3e-4
+    scrap = _ring(30)[0][:40]
+    held = [ConvexHull(piece.vertices).equations for piece in fit_pieces("link", scrap)]
+    corners = scrap.reshape(-1, 3)
+    out = np.min([(corners @ p[:, :3].T + p[:, 3]).max(axis=1) for p in held], axis=0)
+    assert out.max() < 0.0
 
 
 def test_a_fit_keeps_them_and_solves_are_as_exact_as_the_boxes_they_are(tmp_path) -> None:

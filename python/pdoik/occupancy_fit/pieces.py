@@ -1,28 +1,28 @@
-"""Convex pieces of a link, the third level: itself, where it is made of convex parts."""
+"""Convex pieces of a link, the third level: the link itself."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import QhullError
+from scipy.spatial import ConvexHull, QhullError
 
+from .beyond import Beyond
+from .convex_cover import convex_cover
 from .hulls import DECIMALS, FloatArray, Point
-from .solid import Solid, areas, spread
+from .solid import areas, spread
 
 TOLERANCE = 1e-3  # how far a piece may stand beyond its link [m]
-MOST_PIECES = 40  # of a link
+MOST_PIECES = 120  # of a link
+_STRICT = 0.8  # of the tolerance, for pieces that are measured again more finely
 _SPACING = 2e-3  # of the points that a piece is measured at [m]
 _FEWEST, _MOST = 1000, 20_000  # of them
 _SKIN = 1e-5
 """By which a piece is thicker than its part [m]: a success may miss its clearance by a tenth of it,
 and no solver knows a distance better than to rounding."""
-_SURE = 5e-5  # what three samples' triangles say of less is let be [m]
-_NEAREST = 64  # samples, where they say more
+_DIGITS = (DECIMALS, 7, 6)
+_THIN = 5e-3  # from its middle to its nearest face, a thin piece [m]
 
 
 class Piece(NamedTuple):
@@ -35,10 +35,11 @@ class Piece(NamedTuple):
 
 
 def fit_pieces(link: str, triangles: FloatArray, tolerance: float = TOLERANCE) -> list[Piece]:
-    """The convex hulls of a link's connected parts, if each is that part within the tolerance.
+    """Convex pieces that together are a link, within the tolerance.
 
-    They hold the geometry with 0.01 mm to spare. How far they stand beyond it is measured at
-    points all over their faces.
+    The convex hull of a connected part, where it is that part within the tolerance; elsewhere
+    several that cover it (`convex_cover`). They hold the geometry with 0.01 mm to spare. How far
+    they stand beyond it is measured at points all over their faces.
 
     Args:
         link: Its name.
@@ -46,78 +47,84 @@ def fit_pieces(link: str, triangles: FloatArray, tolerance: float = TOLERANCE) -
         tolerance: How far a piece may stand beyond the link [m].
 
     Returns:
-        None for a link that has a part which is not convex, or more than 40 parts: its capsules
+        None for a link that takes more than 120, or has a scrap too thin for a hull: its capsules
         then say alone what it touches.
     """
-    parts = _connected(triangles)
-    if not 0 < len(parts) <= MOST_PIECES:
+    beyond = Beyond(triangles)
+    if len(beyond.parts) > MOST_PIECES:
         return []
-    solid = Solid.of(triangles)
-    pieces = [_piece(link, part, solid) for part in parts]
-    if any(piece is None or piece.tolerance > tolerance for piece in pieces):
-        return []
-    return [piece for piece in pieces if piece is not None]
+    pieces: list[Piece] = []
+    for part in beyond.parts:
+        whole = _piece(link, part.reshape(-1, 3), beyond)
+        if whole is not None and whole.tolerance <= tolerance:
+            pieces.append(whole)
+        else:
+            for corners in convex_cover(part, beyond, _STRICT * tolerance):
+                piece = _piece(link, corners, beyond) or _piece(link, _thick(corners), beyond)
+                if piece is None:
+                    return []
+                pieces.append(piece)
+    pieces = _needed(pieces)
+    return pieces if len(pieces) <= MOST_PIECES else []
 
 
-def _connected(triangles: FloatArray) -> list[FloatArray]:
-    """Parts of a surface that share no vertex, each (T, 3, 3)."""
-    corners = np.rint(triangles.reshape(-1, 3) / 1e-7)
-    _, vertex = np.unique(corners, axis=0, return_inverse=True)
-    faces = vertex.reshape(-1, 3)
-    count = int(faces.max(initial=-1)) + 1
-    edges: NDArray[np.int_] = np.concatenate([faces[:, :2], faces[:, 1:]])
-    ones = np.ones(len(edges))
-    graph = coo_array((ones, (edges[:, 0], edges[:, 1])), shape=(count, count))
-    labels = np.asarray(connected_components(graph, directed=False)[1])
-    of_face = labels[faces[:, 0]]
-    return [triangles[of_face == label] for label in np.unique(of_face)]
-
-
-def _piece(link: str, part: FloatArray, solid: Solid) -> Piece | None:
-    """Of a part with a volume; None for others."""
-    try:
-        hull = trimesh.convex.convex_hull(part.reshape(-1, 3).round(DECIMALS))
-    except QhullError:
+def _piece(link: str, points: FloatArray, beyond: Beyond) -> Piece | None:
+    """The hull of points (N, 3), if it has a volume."""
+    hull = _hull(points)
+    if hull is None:
         return None
-    if not hull.is_watertight or not hull.is_winding_consistent or hull.volume <= 0.0:
-        return None
-    hull.vertices = _swollen(hull)
+    hull = _swollen(hull)
     surface = np.asarray(hull.triangles)
     count = int(np.clip(areas(surface).sum() / _SPACING**2, _FEWEST, _MOST))
-    beyond = _beyond(spread(surface, count)[0], solid)
+    out = float(beyond(spread(surface, count)[0]).max())
     return Piece(
         link,
         tuple((float(x), float(y), float(z)) for x, y, z in hull.vertices),
         tuple((int(i), int(j), int(k)) for i, j, k in hull.faces),
-        round(beyond + 5e-7, 6),
+        round(out + 5e-7, 6),
     )
 
 
-def _swollen(hull: trimesh.Trimesh) -> FloatArray:
-    """Its vertices, farther from its middle so that each face moves out by the skin at least."""
-    middle = np.asarray(hull.center_mass)
-    depths = np.einsum("fi,fi->f", hull.face_normals, hull.triangles[:, 0] - middle)
-    return np.asarray(middle + (1.0 + _SKIN / depths.min()) * (hull.vertices - middle))
+def _hull(points: FloatArray) -> Any:
+    """The hull of points, rounded as it takes to close it, by less than the skin; or None."""
+    for digits in _DIGITS:
+        try:
+            corners = points[ConvexHull(points).vertices].round(digits)
+            hull = trimesh.convex.convex_hull(corners)
+        except QhullError:
+            return None
+        if hull.is_watertight and hull.is_winding_consistent and hull.volume > 0.0:
+            return hull
+    return None
 
 
-def _beyond(points: FloatArray, solid: Solid) -> float:
-    """How far the farthest of some points is outside of a solid [m].
+def _needed(pieces: list[Piece]) -> list[Piece]:
+    """Without those that lie in another one, as hidden parts do."""
+    kept: list[Piece] = []
+    planes: list[FloatArray] = []
+    for piece in sorted(pieces, key=lambda one: -ConvexHull(one.vertices).volume):
+        corners = np.array(piece.vertices)
+        if not any((corners @ p[:, :3].T + p[:, 3]).max() <= 0.0 for p in planes):
+            kept.append(piece)
+            planes.append(ConvexHull(corners).equations)
+    return kept
 
-    To the nearest of many triangles where those of a few samples say that it is outside.
+
+def _swollen(hull: Any) -> Any:
+    """The hull, larger by the skin at least.
+
+    Its vertices move away from its middle. Of a thin one that would move far ones too far: there
+    it is the hull of octahedra about them.
     """
-    rough = solid.outside(points)
-    doubtful = np.flatnonzero(rough > _SURE)
-    if not len(doubtful):
-        return float(rough.max(initial=0.0))
-    nearest = min(_NEAREST, len(solid.owners))
-    distance = rough[doubtful]
-    for k in np.array_split(np.arange(len(doubtful)), 1 + len(doubtful) // 2000):
-        owners = solid.owners[solid.samples.query(points[doubtful[k]], k=nearest)[1]]
-        repeated = np.repeat(points[doubtful[k]], nearest, axis=0)
-        closest = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
-            solid.triangles[owners.ravel()], repeated
-        )
-        to_each = np.linalg.norm(repeated - closest, axis=1).reshape(-1, nearest)
-        distance[k] = np.minimum(distance[k], to_each.min(axis=1))
-    rough[doubtful] = distance
-    return float(rough.max())
+    middle = np.asarray(hull.center_mass)
+    depth = float(np.einsum("fi,fi->f", hull.face_normals, hull.triangles[:, 0] - middle).min())
+    if depth > _THIN:
+        hull.vertices = middle + (1.0 + _SKIN / depth) * (hull.vertices - middle)
+        return hull
+    return trimesh.convex.convex_hull(_thick(np.asarray(hull.vertices)))
+
+
+def _thick(points: FloatArray) -> FloatArray:
+    """Corners of octahedra about points, (6 N, 3), that hold balls as thick as the skin."""
+    octahedron = np.sqrt(3) * _SKIN * np.concatenate([np.eye(3), -np.eye(3)])
+    return np.asarray((points[:, None] + octahedron).reshape(-1, 3))

@@ -1,0 +1,118 @@
+"""How far places are outside a link, to a thousandth of a millimetre."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from .hulls import FloatArray
+from .solid import Solid
+from .winding import encloses
+
+_SURE = 5e-5  # what three samples' triangles say of less is let be [m]
+_NEAREST = 64  # samples, where they say more
+_SIDES = 6  # of them tell on which side a place is, if they agree
+_SPACING = 4e-3  # of places along each triangle [m]
+_CHUNK = 2000  # places at a time
+
+
+class Beyond:
+    """Distances from a link's solid: its parts, each with what it encloses."""
+
+    def __init__(self, triangles: FloatArray) -> None:
+        self.solid = Solid.of(triangles)
+        self.parts = connected(triangles)
+        edges = triangles[:, 1:] - triangles[:, :1]
+        self._normals = np.cross(edges[:, 0], edges[:, 1])
+        self._outward = np.empty(len(triangles))
+        of = labels(triangles)
+        for label, part in zip(np.unique(of), self.parts, strict=True):
+            self._outward[of == label] = outward(part)
+        lines, owners = _along(triangles)
+        self._owners = np.concatenate([self.solid.owners, owners])
+        self._samples = cKDTree(np.concatenate([self.solid.samples.data, lines]))
+
+    def __call__(self, places: FloatArray) -> FloatArray:
+        """Of places (N, 3), 0 inside, (N,) [m].
+
+        To the nearest of many triangles where those of a few samples say that it is outside.
+        """
+        rough = self.solid.outside(places)
+        doubtful = np.flatnonzero(rough > _SURE)
+        for k in np.array_split(doubtful, 1 + len(doubtful) // _CHUNK):
+            rough[k] = np.minimum(rough[k], self._distance(places[k]))
+        return rough
+
+    def _distance(self, places: FloatArray) -> FloatArray:
+        nearest = min(_NEAREST, len(self._owners))
+        owners = self._owners[self._samples.query(places, k=nearest)[1]]
+        repeated = np.repeat(places, nearest, axis=0)
+        closest = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
+            self.solid.triangles[owners.ravel()], repeated
+        )
+        away = (repeated - closest).reshape(-1, nearest, 3)
+        distance = np.linalg.norm(away, axis=2)
+        first = np.argsort(distance, axis=1)[:, :_SIDES]
+        side = np.einsum("nki,nki->nk", away, self._normals[owners])
+        side = np.take_along_axis(side * self._outward[owners], first, axis=1)
+        found = distance.min(axis=1)
+        inside = (side < 0).all(axis=1)
+        doubtful = np.logical_not(inside)
+        if len(self.parts) == 1:  # else it may be inside another one
+            doubtful &= (side <= 0).any(axis=1)
+        found[inside] = 0.0
+        found[doubtful] *= np.logical_not(self._encloses(places[doubtful]))
+        return np.asarray(found)
+
+    def _encloses(self, places: FloatArray) -> NDArray[np.bool_]:
+        found = np.zeros(len(places), dtype=bool)
+        for part in self.parts:
+            found |= encloses(part, places)
+        return found
+
+
+def _along(triangles: FloatArray) -> tuple[FloatArray, NDArray[np.int_]]:
+    """Places along each triangle, however thin it is, and the triangles' indices, (N, 3), (N,)."""
+    lengths = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2)
+    shortest = (lengths.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    p, q, tip = np.moveaxis(np.take_along_axis(triangles, shortest[:, :, None], axis=1), 1, 0)
+    foot = (p + q) / 2
+    count = np.ceil(np.linalg.norm(tip - foot, axis=1) / _SPACING).astype(int) + 1
+    owners = np.repeat(np.arange(len(triangles)), count)
+    number = np.arange(len(owners)) - np.repeat(np.cumsum(count) - count, count)
+    share = ((number + 0.5) / count[owners])[:, None]
+    return foot[owners] + share * (tip - foot)[owners], owners
+
+
+def connected(triangles: FloatArray) -> list[FloatArray]:
+    """Parts of a surface that share no vertex, each (T, 3, 3)."""
+    of = labels(triangles)
+    return [triangles[of == label] for label in np.unique(of)]
+
+
+def outward(part: FloatArray) -> float:
+    """1 or -1 by which a closed surface's normals point out of it; 0 for others."""
+    mesh = trimesh.Trimesh(part.reshape(-1, 3), np.arange(3 * len(part)).reshape(-1, 3))
+    mesh.merge_vertices(digits_vertex=7)
+    if not mesh.is_watertight or not mesh.is_winding_consistent:
+        return 0.0
+    return float(np.sign(mesh.volume))
+
+
+def labels(triangles: FloatArray, group: NDArray[np.int_] | None = None) -> NDArray[np.int_]:
+    """Which connected part each triangle belongs to, (T,); by groups, those of one share none."""
+    corners = np.rint(triangles.reshape(-1, 3) / 1e-7)
+    if group is not None:
+        corners = np.column_stack([corners, np.repeat(group, 3)])
+    _, vertex = np.unique(corners, axis=0, return_inverse=True)
+    faces = vertex.reshape(-1, 3)
+    count = int(faces.max(initial=-1)) + 1
+    edges: NDArray[np.int_] = np.concatenate([faces[:, :2], faces[:, 1:]])
+    ones = np.ones(len(edges))
+    graph = coo_array((ones, (edges[:, 0], edges[:, 1])), shape=(count, count))
+    found = np.asarray(connected_components(graph, directed=False)[1])
+    return np.asarray(found[faces[:, 0]])
