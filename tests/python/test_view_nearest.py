@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -44,19 +44,24 @@ def wait(condition: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
-def posed(viewer: Viewer, q: np.ndarray, obstacle: pdoik.Shape) -> None:
-    """The robot there, beside that alone, as the page has it."""
-    viewer.session.set_shapes([obstacle])
+def posed(
+    viewer: Viewer, q: np.ndarray, *obstacles: pdoik.Shape, rules: Sequence[pdoik.ContactRule] = ()
+) -> None:
+    """The robot there, beside these alone, as the page has it."""
+    before = viewer.nearest_scene._shown
+    viewer.session.set_shapes(obstacles, rules)
     viewer.session.set_posture(q)
     viewer.worker.wake()
-    wait(lambda: viewer.session._granted == viewer.session._wish and is_drawn(viewer, q, obstacle))
+
+    def is_drawn() -> bool:
+        shown = viewer.nearest_scene._shown
+        if shown is None or shown is before or shown.origin == "target":
+            return False
+        return np.array_equal(shown.q, q) and shown.cloud.shapes == obstacles
+
+    wait(is_drawn)
     with viewer._drawing:  # words come last
         pass
-
-
-def is_drawn(viewer: Viewer, q: np.ndarray, obstacle: pdoik.Shape) -> bool:
-    shown = viewer.nearest_scene._shown
-    return shown is not None and np.array_equal(shown.q, q) and shown.cloud.shapes[0] is obstacle
 
 
 def drawn_ends(scene: NearestScene) -> np.ndarray:
@@ -94,6 +99,22 @@ def test_the_line_leads_from_the_robot_to_a_shape_of_each_kind_and_tells_its_len
             assert length == pytest.approx(distance, abs=1e-6)
             assert gaps(placed_hulls(robot, q), hull[None])[0] == pytest.approx(0, abs=1e-6)
     assert apart > 1
+
+
+def test_of_two_obstacles_the_one_that_a_rule_keeps_farther_off_is_shown(viewer: Viewer) -> None:
+    robot, scene = viewer.session.robot, viewer.nearest_scene
+    q = robot.mid_configuration()
+    near = pdoik.Shape.sphere("near", (0.3, 0.6, 0.5), 0.1)
+    far = pdoik.Shape.sphere("far", (0.3, -0.8, 0.5), 0.1)
+    to_near, to_far = (each.distance for each in pdoik.Solver(robot).clearances(q, [near, far]))
+    assert 0.05 < to_near < to_far
+    posed(viewer, q, near, far)
+    assert scene._color == (43, 47, 54)
+    assert scene._label.text == f"{1e3 * to_near:.1f} mm"
+    posed(viewer, q, near, far, rules=[pdoik.ContactRule("*", "far", clearance=to_far + 0.02)])
+    assert scene._color == (211, 21, 27)
+    assert scene._label.text == f"{1e3 * to_far:.1f} mm"
+    assert "far, " in viewer.status.text
 
 
 def test_the_line_goes_with_its_obstacle_and_with_its_switch(viewer: Viewer) -> None:
