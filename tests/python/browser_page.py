@@ -157,6 +157,7 @@ def page_of(
     server = start_server("127.0.0.1", 0)
     viewer = Viewer(server, shipped_model(session.robot), session, example)
     tab = browser.new_page(viewport={"width": window[0], "height": window[1]})
+    tab.set_default_timeout(1e3 * PATIENCE)
     try:
         page = Page(viewer, tab)
         yield page
