@@ -13,15 +13,24 @@ from pathlib import Path
 from typing import Any
 
 from sphinx.errors import ExtensionError
+from sphinx.ext import autosummary
 
 project = "pdoik"
 author = "the pdoik developers"
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "breathe"]
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
+    "breathe",
+]
 nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300  # [s] a cell
 nb_merge_streams = True
+autosummary_generate = False  # tables only
+autosummary.WELL_KNOWN_ABBREVIATIONS += ("Eq.", "Sec.")  # these end no sentence
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 myst_heading_anchors = 3
@@ -42,6 +51,7 @@ include_patterns = [
 html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["wide.css"]
+html_js_files = ["old_addresses.js"]
 html_title = "pdoik"
 html_show_copyright = False
 

@@ -81,7 +81,7 @@ def _range(name: str, told: Any) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BasePlace:
-    """One of them."""
+    """A place of a robot's base, and how well paths can be followed from it."""
 
     index: int
     x: float  # [m]

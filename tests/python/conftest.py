@@ -23,7 +23,13 @@ settings.register_profile("pdoik", deadline=None, derandomize=True, print_blob=T
 settings.load_profile("pdoik")
 
 
-SLOWEST = ("test_view_page", "test_readme", "test_soak", "test_sim2real_inference")
+SLOWEST = (
+    "test_view_page",
+    "test_view_narrow",
+    "test_readme",
+    "test_soak",
+    "test_sim2real_inference",
+)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -146,6 +146,32 @@ def test_what_touches_is_red_and_the_numbers_are_the_judges(tmp_path: Path) -> N
     assert mark.text.endswith("inside wall")
 
 
+def test_two_things_with_a_clearance_of_their_own_are_red_by_that_one(tmp_path: Path) -> None:
+    """A rule of contact asks for more than the options do, or for less."""
+    wall = pdoik.Shape.half_space("wall", (-1, 0, 0), (0.62, 0, 0))
+    free = asked().solve(DOWN, obstacles=[wall])
+    assert free.success
+    assert free.clearance > 0.01
+    reds = {}
+    for name, clearance in (("more", free.clearance + 0.02), ("less", free.clearance - 0.005)):
+        solver = asked(clearance=0.01 if name == "more" else free.clearance + 0.05)
+        rule = pdoik.ContactRule("*", "wall", clearance=clearance)
+        scene = pdoik.Scene([wall], contacts=[rule])
+        result = solver.judge(DOWN, free.q, scene)
+        assert result.success == (name == "less")
+        mark = mark_of(solver, result, contents_of(solver, result, DOWN, scene, None))
+        assert mark is not None
+        assert mark.line is not None
+        assert mark.fails == (name == "more")
+        assert np.linalg.norm(mark.line[1] - mark.line[0]) == pytest.approx(free.clearance)
+        if name == "more":
+            assert "wall" in mark.names
+            assert f"{1e3 * clearance:.1f} mm asked" in mark.text
+        draw_solution(tmp_path / f"{name}.png", solver, result, DOWN, scene)
+        reds[name] = hued(tmp_path / f"{name}.png", RED, saturation=0.5).sum()
+    assert reds["more"] > reds["less"] + 100
+
+
 def test_two_links_that_touch_are_marked_by_coals_distance() -> None:
     solver = asked(self_collision=True, clearance=0.0)
     robot = solver.robot

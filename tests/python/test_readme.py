@@ -14,8 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import pdoik
-
 REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "python" / "docs"
 TUTORIAL = DOCS / "tutorial.md"  # on a recording that is not in the repository
@@ -53,17 +51,6 @@ def test_every_page_is_in_the_index() -> None:
     assert {f"{name}.md" for name in INDEX} == {page.name for page in DOCS.glob("*.md")} - {
         "index.md"
     }
-
-
-def test_every_public_name_is_in_the_reference() -> None:
-    """The build of the site fails on a name there that does not exist."""
-    sim2real = pytest.importorskip("pdoik.sim2real", reason="the extra sim2real is not installed")
-    listed = re.findall(
-        r"^\.\. (?:auto\w+|data):: (\S+)$", (DOCS / "api.md").read_text(), re.MULTILINE
-    )
-    public = [f"pdoik.{name}" for name in pdoik.__all__ if not name.startswith("__")]
-    public += [f"pdoik.sim2real.{name}" for name in sim2real.__all__]
-    assert sorted(listed) == sorted(public)
 
 
 def test_the_readme_is_read_in_minutes() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import pdoik
 from command_line import misuse, run
 from pdoik.sim2real import load_model
 from pdoik.view.log import load_log
@@ -113,3 +114,40 @@ def test_a_cloud_needs_hulls(tmp_path: Path) -> None:
     made = run("propose", report, "--out", tmp_path / "motion.csv", "--cloud", cloud)
     assert made.exit_code == 2
     assert "no hulls to keep off them: --occupancy" in " ".join(made.stderr.split())
+
+
+CELL = """<mujoco><worldbody><body name="stand" pos="3 1 1">
+  <body name="{name}upper"><joint name="{name}shoulder" axis="0 1 0"/>
+    <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.04"/>
+    <body name="{name}fore" pos="0.4 0 0"><joint name="{name}elbow" axis="0 1 0"/>
+      <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.04"/></body></body>
+  <body name="crate" pos="0.4 0 0"><geom type="box" size="0.3 0.3 0.3"/></body>
+  <body name="wall" pos="0 0.5 0"><geom type="box" size="1 0.1 1"/></body>
+</body></worldbody></mujoco>"""
+
+
+def test_a_scene_that_has_the_robot_is_kept_off_without_it(tmp_path: Path) -> None:
+    report = write_report(tmp_path, write_study(tmp_path), friction("presliding_hysteresis"))
+    hulls = tmp_path / "hulls.yaml"
+    ends = {"upper": (0.4, 0.0, 0.0), "fore": (0.3, 0.0, 0.0)}
+    capsules = [(link, (0.0, 0.0, 0.0), end, 0.05) for link, end in ends.items()]
+    pdoik.Occupancy(capsules=capsules).save(str(hulls))
+    for name in ("", "other_"):
+        (tmp_path / f"{name}cell.xml").write_text(CELL.format(name=name))
+    output = tmp_path / "motion.csv"
+    asked = ("propose", report, "--out", output, "--seconds", "8", "--search", "2")
+    asked += ("--occupancy", hulls, "--frame", "stand", "--scene")
+    made = run(*asked, tmp_path / "cell.xml", "--without", "crate")
+    assert made.exit_code == 0, made.output
+    said = " ".join((made.stdout + made.stderr).split())
+    assert "cell.xml: without" in said
+    assert "upper" in said
+    assert "crate" in said
+    clearance = json.loads(output.with_suffix(".json").read_text())["clear"]["clearance"]
+    assert clearance == pytest.approx(0.4 - 0.05, abs=1e-6)  # to the wall, beside which it moves
+
+    output.unlink()
+    for shut in (("cell.xml",), ("other_cell.xml", "--without", "crate")):
+        assert run(*asked, tmp_path / shut[0], *shut[1:]).exit_code == 2
+        assert not output.exists()
+    misuse(run(*asked, tmp_path / "none.xml"), "--scene", "no such file")

@@ -13,6 +13,7 @@ from pdoik.solids import (
     named_part,
     nearest_obstacle,
     nearest_points,
+    part_surface,
     shape_surface,
     without_numbers,
 )
@@ -106,6 +107,51 @@ def test_of_spheroids_no_shorter_way_is_found_by_sampling(rng: np.random.Generat
     assert min(shape_surface(box)(point)[0] for point in inside[:4000]) >= length - 1e-6
 
 
+@pytest.mark.parametrize("kind", EXACT)
+def test_of_a_spheroid_that_overlaps_a_shape_the_line_ends_on_both_surfaces(
+    kind: str, rng: np.random.Generator
+) -> None:
+    robot = pdoik.Robot.builtin("panda")
+    robot.occupancy = pdoik.Occupancy(
+        spheroids=[("panda_link4", (0.0, 0.0, 0.0), "panda_link5", (0.0, 0.0, 0.0), 0.25)]
+    )
+    overlaps = 0
+    for _ in range(120):
+        q, obstacle = rng.uniform(robot.lower, robot.upper), shape(kind, rng)
+        (hull,) = placed_hulls(robot, q)
+        end, place = nearest_points(hull, obstacle)
+        assert hull.gap(end[None])[0] == pytest.approx(0, abs=1e-6)
+        assert shape_surface(obstacle)(place)[0] == pytest.approx(0, abs=1e-6)
+        overlaps += int(hull.gap(place[None])[0] < 0)
+        flipped = nearest_points(obstacle, hull)
+        np.testing.assert_allclose(flipped, [place, end], atol=1e-5)
+    assert overlaps > 2
+
+
+def test_where_a_capsule_touches_and_its_link_does_not_the_line_is_from_the_links_piece() -> None:
+    robot = pdoik.Robot.builtin("panda")
+    cube = trimesh.creation.box(extents=(0.04, 0.04, 0.04))
+    places = [cube.vertices, cube.vertices + np.array([0.0, 0.06, 0.0])]
+    robot.occupancy = pdoik.Occupancy(
+        capsules=[("panda_link8", (0, 0, -0.1), (0, 0, 0.1), 0.1)],
+        pieces=[("panda_link8", vertices, cube.faces, 0.0) for vertices in places],
+    )
+    solver, q = pdoik.Solver(robot), robot.mid_configuration()
+    for x, length in ((0.3, 0.15), (0.12, 0.05), (0.08, 0.01)):  # the first one off the capsule
+        ball = pdoik.Shape.sphere("ball", (robot.fk(q) @ _at(x, 0.0, 0.0))[:3, 3], 0.05)
+        point = np.array([[*ball.T_base_shape[:3, 3], 0.05]])
+        for found in (
+            nearest_obstacle(solver.clearances(q, [ball]), robot, q, np.empty((0, 4)), [ball]),
+            nearest_obstacle(solver.clearances(q, point), robot, q, point, []),
+        ):
+            assert found is not None
+            assert found.line is not None
+            assert found.distance == pytest.approx(length, abs=1e-9)
+            assert np.linalg.norm(found.line[1] - found.line[0]) == pytest.approx(length, abs=1e-6)
+            at_ball = np.linalg.norm(found.line[1] - point[0, :3])
+            assert at_ball == pytest.approx(0.05, abs=1e-6)
+
+
 def test_points_and_the_ball_are_named_and_nothing_is_where_there_is_nothing() -> None:
     session = Session(pdoik.Robot.builtin("panda"), pdoik.Options(max_time=5.0))
     shown = session.solve_once()
@@ -124,6 +170,30 @@ def test_points_and_the_ball_are_named_and_nothing_is_where_there_is_nothing() -
         length = np.linalg.norm(np.diff(shown.nearest.line, axis=0))
         assert length == pytest.approx(shown.result.clearance, abs=1e-9)
         assert f"{name}, {1e3 * length:.1f} mm from panda_link" in status_html(shown, Meter())
+
+
+def test_the_line_to_a_distance_field_ends_where_its_surface_is_nearest(
+    rng: np.random.Generator,
+) -> None:
+    robot = pdoik.Robot.builtin("panda")
+    solver = pdoik.Solver(robot)
+    apart = 0
+    for _ in range(40):
+        q, ball = rng.uniform(robot.lower, robot.upper), shape("distance_field", rng)
+        found = nearest_obstacle(solver.clearances(q, [ball]), robot, q, np.empty((0, 4)), [ball])
+        assert found is not None
+        assert found.line is not None
+        part = named_part(found.part, robot, q)
+        assert part is not None
+        hull, place = found.line
+        assert shape_surface(ball)(place)[0] == pytest.approx(0, abs=1e-5)
+        if found.distance > 0:
+            assert part_surface(part)(hull)[0] == pytest.approx(0, abs=1e-6)
+            middle = ball.T_base_shape[:3, :3] @ np.full(3, 0.2) + ball.T_base_shape[:3, 3]
+            length, exact = np.linalg.norm(hull - place), np.linalg.norm(hull - middle) - 0.1
+            assert length == pytest.approx(exact, abs=0.02)  # a cell
+            apart += 1
+    assert apart > 20
 
 
 @pytest.mark.parametrize("kind", EXACT)

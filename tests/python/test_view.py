@@ -131,7 +131,7 @@ def test_a_posture_wished_for_while_a_target_is_solved_is_not_overruled(
 
         def solve(self, *_: Any) -> Any:
             session.set_posture(REACHED)
-            return SimpleNamespace(q=np.zeros(7)), None, 0
+            return SimpleNamespace(q=np.zeros(7), success=True), None, 0
 
         def clearances(self, *_: Any) -> Any:
             return []

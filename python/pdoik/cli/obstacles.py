@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
+from pdoik._addresses import at_home
 from pdoik.clouds import load_cloud
 from pdoik.scenes import SceneFile, read_scene_file
 
@@ -98,6 +100,9 @@ def load_obstacles(
     radii: bool,
     scene_file: Path | None = None,
     robot: pdoik.Robot | None = None,
+    *,
+    frame: str | None = None,
+    without: Sequence[str] = (),
 ) -> Obstacles | None:
     """Read a cloud, downsample it, and read a scene; leaves with status 2 when that cannot be done.
 
@@ -106,15 +111,20 @@ def load_obstacles(
         leaf: Edge of the cells [m]; 0 keeps every point. A scene's own cloud has its own.
         radii: Give the points that are kept radii that cover those that are not.
         scene_file: Of shapes and perhaps points; None for none.
-        robot: Which is no obstacle where the scene has it; None if nobody knows it yet.
+        robot: Which is no obstacle where the scene has it; None if nobody knows it.
+        frame: Of the scene, that of the robot's base; None for the robot's own.
+        without: What of the scene is left out.
 
     Returns:
         None where there are neither.
     """
     if not leaf >= 0:
         fail(f"--leaf: expected metres, at least 0, got {leaf}")
+    for option, given in (("--frame", frame is not None), ("--without", len(without) > 0)):
+        if given and scene_file is None:
+            fail(f"{option}: is of a scene; give --scene FILE, too")
     with misuse_fails():
-        scene = None if scene_file is None else _read_scene(scene_file, robot)
+        scene = None if scene_file is None else _read_scene(scene_file, robot, frame, without)
     if file is None:
         if scene is None:
             return None
@@ -138,10 +148,19 @@ def load_obstacles(
     return Obstacles(file=file, leaf=leaf, surface=surface, cloud=cloud, scene=scene)
 
 
-def _read_scene(file: Path, robot: pdoik.Robot | None) -> SceneFile:
+def check_files(cloud: Path | None, scene: Path | None) -> None:
+    """Leave with status 2 where one is not there, before there is much to do."""
+    for option, path in (("--cloud", cloud), ("--scene", scene)):
+        if path is not None and not at_home(path).is_file():
+            fail(f"{option} {path}: no such file")
+
+
+def _read_scene(
+    file: Path, robot: pdoik.Robot | None, frame: str | None, without: Sequence[str]
+) -> SceneFile:
     """A scene without the robot; what is odd about it and what it leaves out is told."""
     with warnings_told(pdoik.ObstacleWarning):
-        scene = read_scene_file(file, robot=robot)
+        scene = read_scene_file(file, robot=robot, frame=frame, without=without)
     if out := scene.left_out:
         more = f" and {len(out) - 6} more" if len(out) > 6 else ""
         tell(f"{file}: without {', '.join(out[:6])}{more}")

@@ -52,6 +52,25 @@ SceneFile = Annotated[
         rich_help_panel=OBSTACLES,
     ),
 ]
+SceneFrame = Annotated[
+    str | None,
+    typer.Option(
+        "--frame",
+        help="Whose frame in --scene is the robot's base frame: a body or site of MuJoCo's worlds,"
+        " a model, link or frame of Gazebo's, MoveIt's word for it; the robot's own otherwise.",
+        metavar="NAME",
+        rich_help_panel=OBSTACLES,
+    ),
+]
+SceneWithout = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--without",
+        help="Body, model, object or shape of --scene that is left out; repeatable.",
+        metavar="NAME",
+        rich_help_panel=OBSTACLES,
+    ),
+]
 Leaf = Annotated[
     float,
     typer.Option(

@@ -38,6 +38,8 @@ from .options import (
     Locks,
     Radii,
     SceneFile,
+    SceneFrame,
+    SceneWithout,
     SelfCollision,
     SrdfFile,
     Tool,
@@ -97,6 +99,8 @@ def path(
     rotation_tolerance: RotationTolerance = _DEFAULTS.rotation_tolerance,
     cloud: CloudFile = None,
     scene: SceneFile = None,
+    frame: SceneFrame = None,
+    without: SceneWithout = None,
     leaf: Leaf = 0.02,
     radii: Radii = True,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
@@ -205,7 +209,9 @@ def path(
         "costs": costs_of(cost),
         "reconfigure": reconfigure,
     }
-    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
+    obstacles = load_obstacles(
+        cloud, leaf, radii, scene, loaded, frame=frame, without=without or ()
+    )
     kept = None if obstacles is None else obstacles.kept()
     with misuse_fails(), warnings_told():
         options = pdoik.Options(

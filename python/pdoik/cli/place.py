@@ -32,6 +32,8 @@ from .options import (
     Locks,
     Radii,
     SceneFile,
+    SceneFrame,
+    SceneWithout,
     SelfCollision,
     SrdfFile,
     Tool,
@@ -100,6 +102,8 @@ def place(
     rotation_tolerance: RotationTolerance = _DEFAULTS.rotation_tolerance,
     cloud: CloudFile = None,
     scene: SceneFile = None,
+    frame: SceneFrame = None,
+    without: SceneWithout = None,
     leaf: Leaf = 0.02,
     radii: Radii = True,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
@@ -165,7 +169,9 @@ def place(
         asked, file, robot, base_link, tip_link, occupancy, srdf, package_dir, xacro_arg
     )
     check_hulls(loaded, cloud, scene)
-    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
+    obstacles = load_obstacles(
+        cloud, leaf, radii, scene, loaded, frame=frame, without=without or ()
+    )
     refuse_attached(obstacles)
     is_kept = out_file is not None and out_file.suffix.lower() == ".npz"
     is_stopped = False

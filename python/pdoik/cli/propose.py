@@ -14,7 +14,7 @@ from pdoik._extras import asks_for
 from pdoik.descriptions.text import shipped_name
 
 from .messages import err, fail, misuse_fails, out, warn
-from .obstacles import load_obstacles, refuse_attached
+from .obstacles import check_files, load_obstacles, refuse_attached
 from .options import (
     OBSTACLES,
     ROBOT,
@@ -24,6 +24,8 @@ from .options import (
     Leaf,
     Radii,
     SceneFile,
+    SceneFrame,
+    SceneWithout,
     SrdfFile,
 )
 from .robots import ANY_ROBOT, load_robot
@@ -89,6 +91,8 @@ def propose(
     srdf: SrdfFile = None,
     cloud: CloudFile = None,
     scene: SceneFile = None,
+    frame: SceneFrame = None,
+    without: SceneWithout = None,
     leaf: Leaf = 0.02,
     radii: Radii = True,
     clearance: Clearance = _DEFAULTS.clearance,
@@ -104,8 +108,9 @@ def propose(
     Where a finding lists equivalents, or is less sure than 0.9, the motion along which these
     predict torques as different as can be, from rest to rest, within limits of position, speed,
     acceleration and torque. With hulls (--occupancy, or --robot panda) it keeps off the points of
-    --cloud and, with an SRDF, off the robot itself; without any only limits are kept, and that is
-    said. The CSV has time, q_des.<joint> and dq_des.<joint>; pdoik view replays it.
+    --cloud and the shapes of --scene, and, with an SRDF, off the robot itself. A scene may have the
+    robot, which is left out. Without hulls only limits are kept, and that is said. The CSV has
+    time, q_des.<joint> and dq_des.<joint>; pdoik view replays it.
 
     Exit status: 0 a motion was written, 3 there is nothing to settle, 2 something cannot be read.
 
@@ -117,8 +122,7 @@ def propose(
         from pdoik.sim2real.propose import propose as proposed
         from pdoik.sim2real.propose.propose import Wishes
 
-        obstacles = load_obstacles(cloud, leaf, radii, scene)
-        refuse_attached(obstacles)
+        check_files(cloud, scene)
         options = pdoik.Options(clearance=clearance, self_clearance=margin, base_collision=False)
 
         def clear(joints: tuple[str, ...], text: str, tip: str | None) -> Clear | None:
@@ -127,6 +131,10 @@ def propose(
                 if robot is None
                 else load_robot(robot, None, None if shipped_name(robot) else tip, occupancy, srdf)
             )
+            obstacles = load_obstacles(
+                cloud, leaf, radii, scene, loaded, frame=frame, without=without or ()
+            )
+            refuse_attached(obstacles)
             return _clear(loaded, joints, None if obstacles is None else obstacles.kept(), options)
 
         wishes = Wishes(

@@ -40,6 +40,8 @@ from .options import (
     Priority,
     Radii,
     SceneFile,
+    SceneFrame,
+    SceneWithout,
     SelfCollision,
     SrdfFile,
     Tool,
@@ -101,6 +103,8 @@ def solve(
     ] = _DEFAULTS.rotation_tolerance,
     cloud: CloudFile = None,
     scene: SceneFile = None,
+    frame: SceneFrame = None,
+    without: SceneWithout = None,
     leaf: Leaf = 0.02,
     radii: Radii = True,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
@@ -181,7 +185,9 @@ def solve(
     T_tip_tool = tool_of(tool, loaded, "--goals")
     warn_of_degrees("--rotation-tolerance", [rotation_tolerance])
     check_hulls(loaded, cloud, scene)
-    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
+    obstacles = load_obstacles(
+        cloud, leaf, radii, scene, loaded, frame=frame, without=without or ()
+    )
     with misuse_fails(), warnings_told():
         options = pdoik.Options(
             goal=goal,

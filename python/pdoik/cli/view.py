@@ -32,6 +32,8 @@ from .options import (
     Method,
     Radii,
     SceneFile,
+    SceneFrame,
+    SceneWithout,
     SelfCollision,
     SrdfFile,
 )
@@ -100,6 +102,8 @@ def view(
     self_collision: SelfCollision = None,
     cloud: CloudFile = None,
     scene: SceneFile = None,
+    frame: SceneFrame = None,
+    without: SceneWithout = None,
     leaf: Leaf = 0.02,
     radii: Radii = True,
     clearance: Clearance = _DEFAULTS.clearance,
@@ -214,7 +218,9 @@ def view(
         posture = None if q0 is None else numbers(q0, loaded)
         session = Session(loaded, options, posture, goals=goals)
     session.set_thinning(leaf, radii)
-    obstacles = load_obstacles(cloud, leaf, radii, scene, loaded)
+    obstacles = load_obstacles(
+        cloud, leaf, radii, scene, loaded, frame=frame, without=without or ()
+    )
     refuse_attached(obstacles)
     if obstacles is not None:
         with misuse_fails(f"--scene {scene}"):

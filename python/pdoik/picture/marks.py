@@ -13,6 +13,7 @@ from pdoik.solids import (
     Binding,
     NearestObstacle,
     binding,
+    clearances_of,
     named_part,
     nearest_obstacle,
     nearest_points,
@@ -53,13 +54,9 @@ def mark_of(solver: pdoik.Solver, result: pdoik.Result, contents: Contents) -> M
     if len(found.hulls) + len(found.held) == 2:
         return _between_own(result, contents, found)
     clearances = solver.clearances(contents.q, contents.scene)
-    if found.shape is not None:
-        worst = _own_name(contents, found)
-        clearances = [each for each in clearances if each.obstacle == found.shape]
-        if clearances[0].part != worst:  # another part is deeper, that may be
-            return _to_shape(solver, result, contents, found)
-    elif found.obstacle is not None:
-        clearances = [each for each in clearances if each.point is not None]
+    clearances = clearances_of(found, clearances)
+    if found.shape is not None and clearances[0].part != _own_name(contents, found):
+        return _to_shape(solver, result, contents, found)  # another part is deeper, that may be
     nearest = nearest_obstacle(
         clearances,
         contents.robot,
@@ -68,17 +65,23 @@ def mark_of(solver: pdoik.Solver, result: pdoik.Result, contents: Contents) -> M
         contents.shapes,
         carried=solver.carried,
     )
-    return None if nearest is None else _to_nearest(solver.options, nearest, found)
+    return None if nearest is None else _to_nearest(solver.options, result, nearest, found)
 
 
-def _to_nearest(options: pdoik.Options, nearest: NearestObstacle, found: Binding) -> Mark:
-    fails = nearest.distance < options.clearance - options.clearance_tolerance
+def _to_nearest(
+    options: pdoik.Options, result: pdoik.Result, nearest: NearestObstacle, found: Binding
+) -> Mark:
+    if found.shape is not None or found.obstacle is not None:
+        fails, wanted = True, nearest.distance - result.room
+    else:  # something else fails more than this, or nothing
+        least = options.clearance - options.clearance_tolerance
+        fails, wanted = not result.success and nearest.distance < least, options.clearance
     part = without_numbers(nearest.part)
     if nearest.distance < 0:
         text = f"{part}, {-1e3 * nearest.distance:.1f} mm inside {nearest.obstacle}"
     else:
         text = f"{1e3 * nearest.distance:.1f} mm, {part} to {nearest.obstacle}"
-        text += f"; {1e3 * options.clearance:.1f} mm asked" if fails else ""
+        text += f"; {1e3 * wanted:.1f} mm asked" if fails else ""
     return Mark(
         line=nearest.line,
         text=text,

@@ -4,7 +4,7 @@ A `pdoik.Shape` or a placed hull goes in; triangles, distances and nearest point
 pictures (`pdoik.picture`) and the window in the browser (`pdoik.view`) draw them.
 """
 
-from pdoik.solids.binding import Binding, binding, without_numbers
+from pdoik.solids.binding import Binding, binding, clearances_of, without_numbers
 from pdoik.solids.mesh import shape_mesh
 from pdoik.solids.nearest import (
     NearestObstacle,
@@ -23,6 +23,7 @@ __all__ = [
     "Part",
     "Surface",
     "binding",
+    "clearances_of",
     "named_part",
     "nearest_obstacle",
     "nearest_points",

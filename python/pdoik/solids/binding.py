@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import pdoik
@@ -54,6 +54,17 @@ def binding(
         if len(numbers) + len(carried) == 2:
             return Binding(numbers, carried)
     return Binding()
+
+
+def clearances_of(
+    found: Binding, clearances: Sequence[pdoik.ObstacleClearance]
+) -> list[pdoik.ObstacleClearance]:
+    """Those of the obstacle that a constraint names, though others be nearer that may; or all."""
+    if found.shape is not None:
+        return [each for each in clearances if each.obstacle == found.shape]
+    if found.obstacle is not None:
+        return [each for each in clearances if each.point is not None]
+    return list(clearances)
 
 
 def without_numbers(text: str) -> str:

@@ -12,7 +12,8 @@ import pdoik
 from pdoik._hulls import PlacedCapsule, PlacedHull, PlacedSpheroid, hull_names, one_hull
 
 from .mesh import shape_mesh
-from .surfaces import Surface, onto_spheroid, part_surface
+from .pieces import link_pieces
+from .surfaces import onto_spheroid, part_distance, part_surface, segment_surface
 
 FloatArray = npt.NDArray[np.float64]
 Part = PlacedHull | pdoik.Shape
@@ -22,6 +23,7 @@ _GOLDEN = (np.sqrt(5) - 1) / 2
 _LOOKS = 9  # along a hull's segment
 _SPLITS = 32  # of what is between two of them: to 5e-8 of its length
 _PROJECTIONS = 200
+_SAME_LENGTH = 1e-6  # [m]
 _SEEDS = 300  # on the surface of a shape that is neither ball nor capsule
 
 
@@ -66,8 +68,23 @@ def nearest_obstacle(
         (obstacle,) = (each for each in shapes if each.name == least.obstacle)
         name = obstacle.name
     part = named_part(least.part, robot, q, carried)
-    line = None if part is None else nearest_points(part, obstacle)
+    line = None if part is None else _line_of(least, part, robot, q, obstacle)
     return NearestObstacle(obstacle=name, part=least.part, distance=least.distance, line=line)
+
+
+def _line_of(
+    found: pdoik.ObstacleClearance, part: Part, robot: pdoik.Robot, q: FloatArray, obstacle: Part
+) -> FloatArray:
+    """From the hull, or from the piece of its link that the distance is of."""
+    lines = [nearest_points(part, obstacle)]
+    if isinstance(part, PlacedCapsule) and _misfit(lines[0], found) > _SAME_LENGTH:
+        pieces = link_pieces(robot, q, part.name)
+        lines += [nearest_points(piece, obstacle) for piece in pieces]
+    return min(lines, key=lambda line: _misfit(line, found))
+
+
+def _misfit(line: FloatArray, found: pdoik.ObstacleClearance) -> float:
+    return abs(float(np.linalg.norm(line[1] - line[0])) - abs(found.distance))
 
 
 def named_part(
@@ -93,20 +110,20 @@ def point_part(point: FloatArray) -> PlacedSpheroid:
     return PlacedSpheroid(name="", focus_a=center, focus_b=center, semi_major=float(point[3]))
 
 
-def nearest_points(a: Part, b: Part) -> FloatArray | None:
+def nearest_points(a: Part, b: Part) -> FloatArray:
     """From a's surface to b's, (2, 3) [m]; of parts that overlap, how deep one is in the other.
 
     Of two shapes of which neither is a ball or a capsule it is found by projections in turn, which
-    end at the nearest points of convex ones. None of a spheroid that overlaps something.
+    end at the nearest points of convex ones. Of a spheroid that overlaps something it is through
+    the place between its foci that is deepest in it.
     """
     for one, other, order in ((a, b, 1), (b, a, -1)):
         segment = _segment(one)
         if segment is not None:
-            return _from_segment(*segment, part_surface(other))[::order]
+            return _from_segment(*segment, other)[::order]
     for one, other, order in ((a, b, 1), (b, a, -1)):
         if isinstance(one, PlacedSpheroid):
-            line = _from_spheroid(one, part_surface(other))
-            return None if line is None else line[::order]
+            return _from_spheroid(one, other)[::order]
     assert isinstance(a, pdoik.Shape)
     assert isinstance(b, pdoik.Shape)
     lines = [_from_shape(a, b), _from_shape(b, a)]
@@ -129,47 +146,71 @@ def _segment(part: Part) -> tuple[FloatArray, FloatArray, float] | None:
     return T[:3, 3] - half, T[:3, 3] + half, part.size[0]
 
 
-def _from_segment(a: FloatArray, b: FloatArray, radius: float, surface: Surface) -> FloatArray:
+def _from_segment(a: FloatArray, b: FloatArray, radius: float, other: Part) -> FloatArray:
     """By golden section where looks along the segment have found the least.
 
     Between them the signed distance is convex, of a convex solid all along.
     """
+    to_other = part_distance(other)
+
+    def distance_at(t: float) -> float:
+        return to_other(a + t * (b - a))
+
     low, high = 0.0, 1.0
     if np.linalg.norm(b - a) > 1e-9:
         looks = np.linspace(0.0, 1.0, _LOOKS)
-        least = int(np.argmin([surface(a + t * (b - a))[0] for t in looks]))
+        least = int(np.argmin([distance_at(t) for t in looks]))
         low, high = looks[max(least - 1, 0)], looks[min(least + 1, _LOOKS - 1)]
         x, y = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        at_x, at_y = (surface(a + t * (b - a))[0] for t in (x, y))
+        at_x, at_y = distance_at(x), distance_at(y)
         for _ in range(_SPLITS):
             if at_x <= at_y:
                 high, y, at_y = y, x, at_x
                 x = high - _GOLDEN * (high - low)
-                at_x = surface(a + x * (b - a))[0]
+                at_x = distance_at(x)
             else:
                 low, x, at_x = x, y, at_y
                 y = low + _GOLDEN * (high - low)
-                at_y = surface(a + y * (b - a))[0]
-    nearest = min((low, (low + high) / 2, high), key=lambda t: surface(a + t * (b - a))[0])
+                at_y = distance_at(y)
+    nearest = min((low, (low + high) / 2, high), key=distance_at)
     center = a + nearest * (b - a)
-    distance, place = surface(center)
-    if abs(distance) < 1e-9:
+    distance, place = part_surface(other)(center)
+    apart = float(np.linalg.norm(center - place))
+    if apart < 1e-9:
         return np.array([place, place])
-    outward = (center - place) / distance
+    if distance > radius:  # what is nearest to a field's place may be elsewhere on the segment
+        return np.array([segment_surface(a, b, radius)(place)[1], place])
+    outward = np.copysign(1 / apart, distance) * (center - place)
     return np.array([center - radius * outward, place])
 
 
-def _from_spheroid(hull: PlacedSpheroid, surface: Surface) -> FloatArray | None:
+def _from_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
     """By projections in turn, which end at the nearest points of convex solids that are apart."""
+    surface = part_surface(other)
     point = (hull.focus_a + hull.focus_b) / 2
     for _ in range(_PROJECTIONS):
         distance, place = surface(point)
         if distance <= 0 or hull.gap(place[None])[0] <= 0:
-            return None
+            return _out_of_spheroid(hull, other)
         before, point = point, onto_spheroid(hull, place)
         if np.linalg.norm(point - before) < 1e-7:
             break
     return np.array([point, place])
+
+
+def _out_of_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
+    """From where a spheroid that overlaps something ends in it, to that thing's surface."""
+    center, place = _from_segment(hull.focus_a, hull.focus_b, 0.0, other)
+    inward = center - place if part_distance(other)(center) < 0 else place - center
+    length = float(np.linalg.norm(inward))
+    if length < 1e-9:
+        return np.array([place, place])
+    low, high = 0.0, 2 * hull.semi_major
+    for _ in range(_SPLITS):
+        middle = (low + high) / 2
+        inside = hull.gap((center + middle / length * inward)[None])[0] < 0
+        low, high = (middle, high) if inside else (low, middle)
+    return np.array([center + low / length * inward, place])
 
 
 def _from_shape(a: pdoik.Shape, b: pdoik.Shape) -> tuple[float, FloatArray] | None:

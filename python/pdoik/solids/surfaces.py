@@ -9,14 +9,13 @@ import numpy.typing as npt
 import trimesh
 
 import pdoik
-from pdoik._distance_fields import distances_at
 from pdoik._hulls import PlacedCapsule, PlacedHull, PlacedSpheroid
+
+from .field_surface import field_distance, field_surface
 
 FloatArray = npt.NDArray[np.float64]
 Surface = Callable[[FloatArray], tuple[float, FloatArray]]
 """Of a point (3,): its distance, negative inside [m], and the nearest place (3,)."""
-
-_MOST_STEPS, _ON_SURFACE, _LEVEL = 30, 1e-5, 1e-6  # of a search down a slope; [m]; slope squared
 
 
 def ball_surface(center: FloatArray, radius: float) -> Surface:
@@ -31,10 +30,20 @@ def ball_surface(center: FloatArray, radius: float) -> Surface:
 def part_surface(part: PlacedHull | pdoik.Shape) -> Surface:
     """In the base frame."""
     if isinstance(part, PlacedCapsule):
-        return _segment_surface(part.a, part.b, part.radius)
+        return segment_surface(part.a, part.b, part.radius)
     if isinstance(part, PlacedSpheroid):
         return _spheroid_surface(part)
     return shape_surface(part)
+
+
+def part_distance(part: PlacedHull | pdoik.Shape) -> Callable[[FloatArray], float]:
+    """The distance alone, which is found sooner of a distance field."""
+    if isinstance(part, pdoik.Shape) and part.kind == "distance_field":
+        T_shape_base = np.linalg.inv(part.T_base_shape)
+        of_field = field_distance(part)
+        return lambda point: of_field(T_shape_base[:3, :3] @ point + T_shape_base[:3, 3])
+    surface = part_surface(part)
+    return lambda point: surface(point)[0]
 
 
 def shape_surface(shape: pdoik.Shape) -> Surface:
@@ -50,13 +59,13 @@ def shape_surface(shape: pdoik.Shape) -> Surface:
             local = _cylinder(size[0], size[1] / 2)
         case "capsule":
             end = np.array([0.0, 0.0, size[1] / 2])
-            local = _segment_surface(-end, end, size[0])
+            local = segment_surface(-end, end, size[0])
         case "half_space":
             local = _half_space
         case "boxes":
             local = _boxes(np.asarray(shape.vertices))
         case "distance_field":
-            local = _field(shape)
+            local = field_surface(shape)
         case "mesh":
             local = _sheet(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
         case _:
@@ -95,7 +104,7 @@ def _cylinder(radius: float, half: float) -> Surface:
     return to_cylinder
 
 
-def _segment_surface(a: FloatArray, b: FloatArray, radius: float) -> Surface:
+def segment_surface(a: FloatArray, b: FloatArray, radius: float) -> Surface:
     v = b - a
 
     def to_capsule(point: FloatArray) -> tuple[float, FloatArray]:
@@ -150,25 +159,6 @@ def _boxes(corners: FloatArray) -> Surface:
         return distance, place + middles[nearest]
 
     return to_boxes
-
-
-def _field(shape: pdoik.Shape) -> Surface:
-    """Of a distance field: the place down its slope where it is 0."""
-    values, cell = shape.values, shape.cell
-    assert cell is not None
-
-    def to_field(point: FloatArray) -> tuple[float, FloatArray]:
-        (distance,), (slope,) = distances_at(values, cell, point[None])
-        place, left, gradient = point.copy(), distance, slope
-        for _ in range(_MOST_STEPS):
-            square = float(gradient @ gradient)
-            if abs(left) < _ON_SURFACE or square < _LEVEL:
-                break
-            place = place - left / max(square, 1.0) * gradient
-            (left,), (gradient,) = distances_at(values, cell, place[None])
-        return float(distance), place
-
-    return to_field
 
 
 def _sheet(triangles: FloatArray) -> Surface:

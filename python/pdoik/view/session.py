@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from pdoik.solids import nearest_obstacle
+from pdoik.solids import Binding, binding, clearances_of, nearest_obstacle
 
 from .followed_path import FollowedPath, follow_path
 from .follower import Follower
@@ -362,6 +362,8 @@ class Session:
         else:
             result, number = solver.judge(asked, q, scene)
             found, met = result, choice_of(goals, number)
+        names = [shape.name for shape in obstacles.shapes]
+        failed = Binding() if result.success else binding(result, self.robot, names)
         return Shown(
             robot=self.robot,
             q=q,
@@ -373,7 +375,7 @@ class Session:
             obstacles=points,
             cloud=obstacles,
             nearest=nearest_obstacle(
-                solver.clearances(q, scene),
+                clearances_of(failed, solver.clearances(q, scene)),
                 self.robot,
                 q,
                 points,

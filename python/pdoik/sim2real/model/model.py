@@ -317,7 +317,7 @@ def _pushed_at_tip(part: Part, carrier: str, tip: str) -> Part:
 
 
 def load_model(path: str | Path) -> Model:
-    """`Model.load`."""
+    """The model of a file, or of the model.json in a folder; see `Model.load`."""
     return Model.load(path)
 
 

@@ -22,7 +22,10 @@ SCHEMA = "pdoik.proposal/1"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Proposal:
-    """From rest to rest. Arrays are (T, n) in the order of `joints`."""
+    """A motion that separates what a diagnosis could not, from rest to rest.
+
+    Arrays are (T, n) in the order of `joints`.
+    """
 
     joints: tuple[str, ...]
     time: FloatArray  # (T,) [s]

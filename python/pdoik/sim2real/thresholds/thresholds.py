@@ -34,7 +34,10 @@ class Threshold:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thresholds:
-    """By stage. `Thresholds().changed({"diagnosis.worth": 4.0})` is another set."""
+    """The numbers by which a diagnosis decides, by stage.
+
+    `Thresholds().changed({"diagnosis.worth": 4.0})` is another set.
+    """
 
     priors: PriorThresholds = field(default_factory=PriorThresholds)
     diagnosis: DiagnosisThresholds = field(default_factory=DiagnosisThresholds)
