@@ -384,6 +384,20 @@ def test_a_planning_scenes_matrix_means_what_it_means_to_moveit() -> None:
     assert allowed > 500
 
 
+def test_a_matrixs_names_are_never_patterns() -> None:
+    names = ["hand", "box*", "b?x"]
+    matrix = {
+        "entry_names": names,
+        "entry_values": [{"enabled": [one != other for other in names]} for one in names],
+        "default_entry_names": ["*"],
+        "default_entry_values": [True],
+    }
+    for there in ({"box*", "boxes"}, {"boxes"}):
+        rules = read_matrix({"allowed_collision_matrix": matrix}, Path("x"), there)
+        pairs = {(rule.one, rule.other) for rule in rules}
+        assert pairs == ({("hand", "box*")} if "box*" in there else set())
+
+
 def test_a_matrix_that_is_not_square_is_refused() -> None:
     for matrix, says in (
         ({"entry_names": ["a"], "entry_values": []}, "1 entry_names, 0 entry_values"),

@@ -91,7 +91,7 @@ def _bracket() -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
 
 @pytest.mark.parametrize(
     ("body", "most", "turned"),
-    [(_ring(25), 60, True), (_bracket(), 8, False), (_bracket(), 8, True)],
+    [(_ring(25), 60, True), (_bracket(), 25, False), (_bracket(), 25, True)],
 )
 def test_pieces_hold_a_concave_body_and_stand_out_no_farther_than_they_say(
     body: tuple[FloatArray, Callable[[FloatArray], FloatArray]], most: int, turned: bool

@@ -322,6 +322,15 @@ def test_rules_of_what_is_left_out_need_it_no_longer(tmp_path: Path) -> None:
         solver.judge(robot.fk(q), q, pdoik.Scene(scene.shapes, contacts=before))
 
 
+def test_a_rule_of_what_is_left_out_is_no_pattern_for_others(tmp_path: Path) -> None:
+    shapes = [{"name": name, "sphere": 0.1, "position": [9, 9, 9]} for name in ("m*", "mug")]
+    path = written(
+        tmp_path, {"shapes": shapes, "contacts": [{"one": "panda_link7", "other": "m*"}]}
+    )
+    assert len(pdoik.load_scene(path).contacts) == 1
+    assert len(pdoik.load_scene(path, without=["m*"]).contacts) == 0
+
+
 BALL = {"name": "ball", "sphere": 1}
 
 

@@ -8,7 +8,7 @@ answers are judged by coal on the meshes.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 import numpy as np
@@ -39,7 +39,8 @@ def main(
     files = robot_files("panda")
     judge = Judge(files, "collision")
     capsules, robot = pdoik.Robot.builtin("panda"), pdoik.Robot.builtin("panda")
-    robot.occupancy = with_pieces(robot, load_geometry(files.xml(), files.package_dirs))
+    links = load_geometry(files.xml(), files.package_dirs)
+    robot.occupancy = with_pieces(robot, {link.name: link.triangles for link in links})
     solvers = {"pieces": pdoik.Solver(robot), "capsules": pdoik.Solver(capsules)}
     rows = []
     for kind, spread in SPREADS.items():
@@ -62,15 +63,15 @@ def main(
     print(markdown_table(COLUMNS, rows))
 
 
-def with_pieces(robot: pdoik.Robot, links: Sequence[object]) -> pdoik.Occupancy:
-    """The robot's hulls, and the pieces of those of its links that have capsules."""
+def with_pieces(robot: pdoik.Robot, meshes: Mapping[str, FloatArray]) -> pdoik.Occupancy:
+    """The robot's hulls, and pieces of the links that have capsules, by their triangles."""
     own = robot.occupancy
     covered = {link for link, *_ in own.capsules}
     pieces = [
         (piece.link, np.array(piece.vertices), np.array(piece.triangles), piece.tolerance)
-        for link in links
-        if link.name in covered
-        for piece in fit_pieces(link.name, link.triangles)
+        for link, triangles in meshes.items()
+        if link in covered
+        for piece in fit_pieces(link, triangles)
     ]
     return pdoik.Occupancy(
         spheres=own.spheres, spheroids=own.spheroids, capsules=own.capsules, pieces=pieces

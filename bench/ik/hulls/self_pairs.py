@@ -3,7 +3,8 @@
     python -m bench.ik.hulls.self_pairs --samples 5000
 
 Hulls fitted to meshes (`pdoik occupancy`) with the pairs of `pdoik pairs`, with and without the
-robot's SRDF, and the shipped hulls with the shipped pairs; coal on the published collision meshes
+robot's SRDF, and the shipped hulls with the shipped pairs, without and with convex pieces of the
+links' meshes; coal on the published collision meshes
 is the judge, on configurations that the pairs were not found by.
 """
 
@@ -17,6 +18,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.markdown import markdown_table
 from bench.ik.experiment import ARMS, Arm
+from bench.ik.hulls.pieces import with_pieces
 from bench.ik.judges.arm_meshes import arm_meshes
 from bench.ik.judges.meshes import self_judge
 from bench.ik.problems.hulls import fitted_robot
@@ -31,10 +33,11 @@ COLUMNS = ("robot", "hulls", "pairs left out", "free", "clearance [mm]", "refuse
 def main(
     samples: Annotated[int, typer.Option(help="Configurations to judge.")] = 5000,
     seed: Annotated[int, typer.Option(help="Of these; the pairs are found with another.")] = 1,
+    shipped: Annotated[bool, typer.Option("--shipped", help="Of shipped hulls alone.")] = False,
 ) -> None:
     """Print the table."""
     rows = []
-    for name in ("panda", "ur10"):
+    for name in () if shipped else ("panda", "ur10"):
         files = robot_files(name)
         meshes = {m.name: m.triangles for m in load_geometry(files.xml(), files.package_dirs)}
         robot = fitted_robot(files)
@@ -50,6 +53,8 @@ def main(
         robot = pdoik.Robot.builtin(name)
         meshes = arm_meshes(Arm.builtin(name))
         rows += _judge(robot, meshes, samples, seed, [name, "shipped", "shipped"])
+        robot.occupancy = with_pieces(robot, meshes)
+        rows += _judge(robot, meshes, samples, seed, [name, "shipped, with pieces", "shipped"])
     print(markdown_table(COLUMNS, rows))
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from .beyond import labels, outward
 from .hulls import FloatArray
@@ -111,7 +110,7 @@ def _normals(faces: FloatArray) -> FloatArray:
 def _groups(faces: FloatArray, normals: FloatArray, size: float, slack: float) -> NDArray[np.int_]:
     """Of connected faces in one cell of a grid whose normals are nearly alike, (F,).
 
-    Where a group is not convex, each of its faces is one by itself.
+    Where a part of a group stands over the plane of another, each face is one by itself.
     """
     middle = faces.mean(axis=1)
     cell = np.floor((middle - middle.min(axis=0)) / size)
@@ -126,22 +125,10 @@ def _groups(faces: FloatArray, normals: FloatArray, size: float, slack: float) -
 
 
 def _bent(faces: FloatArray, normals: FloatArray, slack: float) -> bool:
-    """Whether a patch, (T, 3, 3), is not convex: out of its planes, or by its outline."""
+    """Whether a part of a patch, (T, 3, 3), stands over the plane of another part."""
     height = np.einsum("fi,gci->fgc", normals, faces)
     height -= np.einsum("fi,fi->f", normals, faces[:, 0])[:, None, None]
-    if height.max() > slack:
-        return True
-    share = areas(faces)
-    along = share @ normals
-    length = float(np.linalg.norm(along))
-    if length < 0.5 * share.sum():  # no side is its outside
-        return True
-    flat = np.linalg.svd(along[None])[2][1:]
-    try:
-        spanned = float(ConvexHull(faces.reshape(-1, 3) @ flat.T).volume)  # an area, of an outline
-    except QhullError:
-        return False
-    return bool(spanned - length > slack * np.sqrt(spanned))
+    return bool(height.max() > slack)
 
 
 def _below(

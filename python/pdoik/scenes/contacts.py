@@ -103,7 +103,8 @@ def read_matrix(
 
     A pair has an entry of its own, or else counts by the defaults of its two names, of which one
     that checks collisions wins. All rules are optional: such files list links and objects that
-    others do not have. Of a link and an object the link comes first.
+    others do not have. Of a link and an object the link comes first. Names are exact there: one
+    with `*` or `?` that the scene does not have allows nothing.
 
     Args:
         scene: A PlanningScene.
@@ -124,9 +125,12 @@ def read_matrix(
         raise EntryError(file, what, at)
     pairs = zip(by_default, values, strict=True)
     defaults = {_name(name, objects): _is_true(value) for name, value in pairs}
-    rules = [_rule(name, "*", may=True) for name, may in defaults.items() if may]
+    known = {
+        name: may for name, may in defaults.items() if not is_pattern(name) or name in objects
+    }
+    rules = [_rule(name, "*", may=True) for name, may in known.items() if may]
     if rules:
-        rules += [_rule(name, "*", may=False) for name, may in defaults.items() if not may]
+        rules += [_rule(name, "*", may=False) for name, may in known.items() if not may]
     entries: dict[tuple[str, str], bool] = {}
     for first, row in zip(names, rows, strict=True):
         enabled = row.get("enabled", []) if isinstance(row, Mapping) else row
@@ -138,6 +142,8 @@ def read_matrix(
             pair = pair if pair[::-1] not in entries else pair[::-1]
             entries[pair] = entries.get(pair, False) or _is_true(value)
     for pair, may in entries.items():
+        if any(is_pattern(name) and name not in objects for name in pair):
+            continue
         # What is checked says nothing new, but where a default lets it touch.
         if may or any(defaults.get(name, False) for name in pair):
             rules.append(_rule(*pair, may=may))

@@ -236,7 +236,9 @@ def _without(world: World, asked: Asked, file: Path) -> World:
         world,
         things=kept,
         contacts=tuple(
-            as_optional(rule) if _may_mean(rule, gone) else rule for rule in world.contacts
+            as_optional(rule) if _may_mean(rule, gone) else rule
+            for rule in world.contacts
+            if not _would_mean_others(rule, gone)
         ),
         left_out=tuple(f"object {name}" for name in asked.without),
     )
@@ -244,6 +246,11 @@ def _without(world: World, asked: Asked, file: Path) -> World:
 
 def _may_mean(rule: ContactRule, names: Collection[str]) -> bool:
     return any(is_pattern(name) or name in names for name in (rule.one, rule.other))
+
+
+def _would_mean_others(rule: ContactRule, gone: Collection[str]) -> bool:
+    """Whether it is of something left out whose name would now be read as a pattern."""
+    return any(is_pattern(name) and name in gone for name in (rule.one, rule.other))
 
 
 def _scene_file(file: Path, world: World) -> SceneFile:
