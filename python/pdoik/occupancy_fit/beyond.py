@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
 
 from .hulls import FloatArray
 from .solid import Solid
@@ -15,8 +16,10 @@ from .winding import encloses
 
 _SURE = 5e-5  # what three samples' triangles say of less is let be [m]
 _NEAREST = 64  # samples, where they say more
-_SIDES = 6  # of them tell on which side a place is, if they agree
+_STRAIGHT = 0.99  # cosine of the angle to a triangle's normal
 _SPACING = 4e-3  # of places along each triangle [m]
+_FAR = 5e-4  # from where all triangles are asked [m]
+_PAIRS = 2_000_000  # of places and triangles at a time
 _CHUNK = 2000  # places at a time
 
 
@@ -27,11 +30,15 @@ class Beyond:
         self.solid = Solid.of(triangles)
         self.parts = connected(triangles)
         edges = triangles[:, 1:] - triangles[:, :1]
-        self._normals = np.cross(edges[:, 0], edges[:, 1])
+        normals = np.cross(edges[:, 0], edges[:, 1])
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        self._normals = normals / np.maximum(length, np.finfo(float).tiny)
         self._outward = np.empty(len(triangles))
         of = labels(triangles)
         for label, part in zip(np.unique(of), self.parts, strict=True):
             self._outward[of == label] = outward(part)
+        self._middles = triangles.mean(axis=1)
+        self._radii = np.linalg.norm(triangles - self._middles[:, None], axis=2).max(axis=1)
         lines, owners = _along(triangles)
         self._owners = np.concatenate([self.solid.owners, owners])
         self._samples = cKDTree(np.concatenate([self.solid.samples.data, lines]))
@@ -56,17 +63,31 @@ class Beyond:
         )
         away = (repeated - closest).reshape(-1, nearest, 3)
         distance = np.linalg.norm(away, axis=2)
-        first = np.argsort(distance, axis=1)[:, :_SIDES]
-        side = np.einsum("nki,nki->nk", away, self._normals[owners])
-        side = np.take_along_axis(side * self._outward[owners], first, axis=1)
-        found = distance.min(axis=1)
-        inside = (side < 0).all(axis=1)
+        found = self._nearer(places, distance.min(axis=1))
+        # Straight over or under the nearest triangle the side is certain.
+        rows, nearest = np.arange(len(places)), distance.argmin(axis=1)
+        own = owners[rows, nearest]
+        over = np.einsum("ni,ni->n", away[rows, nearest], self._normals[own]) * self._outward[own]
+        least = _STRAIGHT * found
+        inside = over < -least
         doubtful = np.logical_not(inside)
         if len(self.parts) == 1:  # else it may be inside another one
-            doubtful &= (side <= 0).any(axis=1)
+            doubtful &= over <= least
         found[inside] = 0.0
         found[doubtful] *= np.logical_not(self._encloses(places[doubtful]))
         return np.asarray(found)
+
+    def _nearer(self, places: FloatArray, found: FloatArray) -> FloatArray:
+        """Distances found, or less where another triangle is nearer than those of the samples."""
+        far = np.flatnonzero(found > _FAR)
+        for rows in np.array_split(far, 1 + len(far) * len(self._middles) // _PAIRS):
+            gap = cdist(places[rows], self._middles) - self._radii
+            row, triangle = np.nonzero(gap < found[rows, None])
+            closest = trimesh.triangles.closest_point(  # type: ignore[no-untyped-call]
+                self.solid.triangles[triangle], places[rows[row]]
+            )
+            np.minimum.at(found, rows[row], np.linalg.norm(places[rows[row]] - closest, axis=1))
+        return found
 
     def _encloses(self, places: FloatArray) -> NDArray[np.bool_]:
         found = np.zeros(len(places), dtype=bool)

@@ -17,6 +17,7 @@ _SEEDS = 12  # atoms that a piece may begin with
 _CUTS = 12  # of a piece before it is measured again
 _SPACINGS = (5e-3, 2e-3)  # of the places on a piece's faces that are measured [m]
 _FEWEST, _MOST = 1000, 20_000  # of them
+_CLOSE = 1e-4  # to a plane through a place that stands out: cut off too, and so always some [m]
 _BUD = 5e-5 * np.concatenate([np.eye(3), -np.eye(3)])  # so that no piece is flat [m]
 
 
@@ -92,7 +93,7 @@ def _spared(
         normals = _SPHERE
         away = (points - at).astype(np.float32)
         for turn in (0.3, 0.1, 0.03, None):
-            beyond = _any(away @ normals.T.astype(np.float32) > -1e-6, first)
+            beyond = _any(away @ normals.T.astype(np.float32) > -_CLOSE, first)
             lost = (weights * spared) @ beyond
             best = int(np.argmin(lost))
             normal, cut = normals[best], beyond[:, best]

@@ -74,6 +74,8 @@ def _piece(link: str, points: FloatArray, beyond: Beyond) -> Piece | None:
     if hull is None:
         return None
     hull = _swollen(hull)
+    if hull is None:
+        return None
     surface = np.asarray(hull.triangles)
     count = int(np.clip(areas(surface).sum() / _SPACING**2, _FEWEST, _MOST))
     out = float(beyond(spread(surface, count)[0]).max())
@@ -121,7 +123,7 @@ def _swollen(hull: Any) -> Any:
     if depth > _THIN:
         hull.vertices = middle + (1.0 + _SKIN / depth) * (hull.vertices - middle)
         return hull
-    return trimesh.convex.convex_hull(_thick(np.asarray(hull.vertices)))
+    return _hull(_thick(np.asarray(hull.vertices)))
 
 
 def _thick(points: FloatArray) -> FloatArray:
