@@ -10,7 +10,9 @@ from .segments import AnyFloats, Capsules, free, surface, to_segments
 from .solid import Solid
 
 _SEEDS_INSIDE, _SEEDS_ON = 110, 40  # ends of the segments that the greedy cover chooses from
-_ACTIVE, _REFRESH = 5000, 4  # points that pull, and after how many steps they are chosen anew
+_MARGIN, _REFRESH = 0.3, 4
+"""Points that pull are chosen anew after so many steps: those that would come out if capsules moved
+by this share of what they may move until then."""
 _SAMPLES = 96  # points on each capsule's surface
 _STEP, _LEAST_RADIUS = 2e-3, 1e-3  # the first step and the thinnest capsule [m]
 _STIFFNESS = 2e4  # of the points' pull against the surface's, [1/m]
@@ -80,26 +82,26 @@ class ShrinkWrap:
 
     def __init__(self, solid: Solid, points: FloatArray, worst: float) -> None:
         self._solid, self._worst = solid, worst
-        self._points = points.astype(np.float32)  # (P, 3)
+        self.points = points.astype(np.float32)  # (P, 3)
 
     def move(self, capsules: Capsules, steps: int) -> Capsules:
         """What comes back leaves points outside by some tenths of a millimetre."""
         x = np.concatenate([capsules.a, capsules.b, capsules.radius[:, None]], axis=1)  # (K, 7)
         first, second = np.zeros_like(x), np.zeros_like(x)
         area = _FREE_SHARE * float(surface(capsules, 1).areas.sum())
-        multipliers = np.zeros(len(self._points))
+        multipliers = np.zeros(len(self.points))
         for n in range(1, steps + 1):
             progress = n / steps
             now = Capsules(x[:, :3], x[:, 3:6], x[:, 6])
             rho = 2 * (0.1 + 0.9 * progress) * _STIFFNESS * area
             if n % _REFRESH == 1:  # look only at points that may come out before the next look
-                gap = to_segments(self._points, now.a, now.b) - now.radius.astype(np.float32)
+                gap = to_segments(self.points, now.a, now.b) - now.radius.astype(np.float32)
                 gap = gap.min(axis=1)
                 multipliers = np.maximum(multipliers + rho * gap / 4, 0)
-                push = multipliers + rho * gap
-                active = np.argpartition(-push, min(_ACTIVE, len(push)) - 1)[:_ACTIVE]
+                margin = _MARGIN * _REFRESH * _STEP * (1.01 - progress)
+                active = np.flatnonzero((gap > -margin) | (multipliers > 0))
             gradient = self._outside_gradient(now, turn=(0.618 * n) % 1)
-            gradient -= _pull(self._points[active], multipliers[active], rho, now) / len(gap)
+            gradient -= _pull(self.points[active], multipliers[active], rho, now) / len(gap)
             first = 0.8 * first + 0.2 * gradient
             second = 0.95 * second + 0.05 * gradient**2
             # One scale per capsule, so that a step keeps the gradient's direction.
