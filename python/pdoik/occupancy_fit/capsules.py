@@ -18,7 +18,6 @@ from .wrap import ShrinkWrap, greedy_cover
 
 _LANDMARKS = 1500
 _POINTS = 6000  # of the surface where overhangs are measured in between
-_SPARSE = 2  # one of so many samples of the surface is asked for while capsules move
 _INNER = 300  # points inside that are asked for while capsules move
 _FIRST_SWELL = 0.85  # how far the first set sticks out, over the most that is allowed
 _MOST_ROUNDS, _MOST_PROOFS = 30, 6
@@ -28,8 +27,7 @@ _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
 _SWELLING = 0.15  # by a proof, of the aims, until one has told
 _CLOSE = 0.95  # of the aims, from where no more is left out after a proof
-_COVER = 0.97  # share of the points that the first set holds; moving it holds the others
-_HASTE = 0.12  # share of the capsules that is left out at once, until that is in vain
+_HASTE, _MORE_HASTE = 0.12, 1.3  # share left out at once; after a success, over the last one's
 _ALMOST = 1.08  # of the aims, up to where one that is left out is tried once more
 _PATIENCE, _PATIENCE_SHARE = 2, 0.08  # capsules whose loss is tried in vain before the rest stay
 
@@ -148,10 +146,9 @@ class _Fit:
         self.solid, self.aim, self.most = solid, aim, most
         inner, _ = solid.inner_points()
         landmarks = [solid.landmarks(_LANDMARKS), inner[:: max(len(inner) // _INNER, 1)]]
-        points = np.concatenate([*landmarks, solid.samples.data[::_SPARSE]])
+        points = np.concatenate([*landmarks, solid.samples.data])
         self.wrap = ShrinkWrap(solid, points, aim.worst)
-        first_swell = _FIRST_SWELL * aim.worst
-        self.first = greedy_cover(solid, np.concatenate(landmarks), first_swell, _COVER)
+        self.first = greedy_cover(solid, np.concatenate(landmarks), _FIRST_SWELL * aim.worst)
         self.proof = Proof(solid)
         self.swelling = Overhang(_SWELLING * aim.mean, _SWELLING * aim.worst)  # by the proof
 
@@ -215,6 +212,7 @@ class _Fit:
                 fewer = self._moved(fewer.capsules, _DROP_STEPS)
             if fewer.score <= 1:
                 best, in_vain = fewer, set()
+                haste = min(_HASTE, _MORE_HASTE * haste)
             elif count > 1:
                 haste /= 2
             else:

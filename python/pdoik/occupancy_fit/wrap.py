@@ -10,9 +10,7 @@ from .segments import AnyFloats, Capsules, free, surface, to_segments
 from .solid import Solid
 
 _SEEDS_INSIDE, _SEEDS_ON = 110, 40  # ends of the segments that the greedy cover chooses from
-_MARGIN, _REFRESH = 0.3, 4
-"""Points that pull are chosen anew after so many steps: those that would come out if capsules moved
-by this share of what they may move until then."""
+_ACTIVE, _REFRESH = 5000, 4  # points that pull, and after how many steps they are chosen anew
 _SAMPLES = 96  # points on each capsule's surface
 _STEP, _LEAST_RADIUS = 2e-3, 1e-3  # the first step and the thinnest capsule [m]
 _STIFFNESS = 2e4  # of the points' pull against the surface's, [1/m]
@@ -98,8 +96,8 @@ class ShrinkWrap:
                 gap = to_segments(self.points, now.a, now.b) - now.radius.astype(np.float32)
                 gap = gap.min(axis=1)
                 multipliers = np.maximum(multipliers + rho * gap / 4, 0)
-                margin = _MARGIN * _REFRESH * _STEP * (1.01 - progress)
-                active = np.flatnonzero((gap > -margin) | (multipliers > 0))
+                push = multipliers + rho * gap
+                active = np.argpartition(-push, min(_ACTIVE, len(push)) - 1)[:_ACTIVE]
             gradient = self._outside_gradient(now, turn=(0.618 * n) % 1)
             gradient -= _pull(self.points[active], multipliers[active], rho, now) / len(gap)
             first = 0.8 * first + 0.2 * gradient
