@@ -24,6 +24,7 @@ from pdoik.occupancy_fit import OccupancyFit
 from pdoik.occupancy_fit import hulls as fitting
 from pdoik.occupancy_fit.hulls import Spheroid, half_sum, tidy_point
 from pdoik.occupancy_fit.report import FitReport
+from pdoik.occupancy_fit.rough import rough_shapes
 from pdoik.occupancy_fit.split import clip
 
 SAMPLES = 4000  # per shape or hull
@@ -205,7 +206,7 @@ def _around(link: str, points: FloatArray, shapes: list[Shape]) -> Hull:
     Starts from the one of least volume, whose tips reach far out.
     """
     corners = fitting.extreme_points(points)
-    start = fitting.smallest_shape(corners, quick=True)
+    (start,) = rough_shapes(corners[None])
 
     def hull_of(foci: FloatArray) -> Hull:
         shape = fitting.around(corners, foci[:3], foci[3:])

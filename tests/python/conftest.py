@@ -1,5 +1,6 @@
 """Robots, studies and motions the tests share."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -18,6 +19,8 @@ SHIPPED = ("panda", "ur10", "iiwa14")
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as where a shell starts them with nohup
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+os.environ["PDOIK_CACHE"] = ""  # no test depends on what an earlier one has fitted
 
 settings.register_profile("pdoik", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("pdoik")

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import pdoik
@@ -333,9 +334,36 @@ def test_occupancy_warns_of_links_that_too_few_capsules_hold(
     urdf: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("pdoik.occupancy_fit.capsules._MOST", 1)
-    outcome = run("occupancy", urdf, "--max-parts", "1")
+    outcome = run("occupancy", urdf, "--max-parts", "1", "--processes", "1")
     assert outcome.exit_code == 0, outcome.output
     assert "warning: upper: capsules stick out" in " ".join(outcome.stderr.split())
+
+
+def test_occupancy_tells_of_each_link_and_of_those_left_out(tmp_path: Path, urdf: Path) -> None:
+    arguments = ["--max-parts", "1", "--no-capsules", "--tip-link", "upper", "--cache", tmp_path]
+    outcome = run("occupancy", urdf, *arguments)
+    assert outcome.exit_code == 0, outcome.output
+    lines = outcome.stderr.splitlines()
+    told = [line.partition(": ")[2] for line in lines if line.startswith(("base:", "upper:"))]
+    assert [line.partition(" s; ")[0][:10] for line in told] == ["fitted in "] * 2
+    assert [line.partition("; ")[2][:12] for line in told] == ["1 of 2 links", "2 of 2 links"]
+    assert "about" in told[0]
+    assert any(line.startswith("warning: left out") and "fore" in line for line in lines)
+    again = run("occupancy", urdf, *arguments)
+    assert again.stderr.count("kept from an earlier fit") == 2
+    assert again.stdout == outcome.stdout
+    misuse(run("occupancy", urdf, *arguments, "--no-cache"), "--cache", "--no-cache")
+
+
+def test_occupancy_draws_where_capsules_stick_out_most(tmp_path: Path, urdf: Path) -> None:
+    picture = tmp_path / "out.png"
+    outcome = run("occupancy", urdf, "--tip-link", "base", "--picture", picture)
+    assert outcome.exit_code == 0, outcome.output
+    with Image.open(picture) as image:
+        colors = {color for _, color in image.convert("RGB").getcolors(1 << 24)}
+    assert (211, 21, 27) in colors  # the mark
+    misuse(run("occupancy", urdf, "--paper", "--picture", picture), "--picture")
+    misuse(run("occupancy", urdf, "--picture", tmp_path / "out.jpg"), "--picture", ".png")
 
 
 def test_occupancy_refuses_what_it_cannot_fit(tmp_path: Path, urdf: Path) -> None:

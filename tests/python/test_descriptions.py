@@ -198,9 +198,9 @@ def test_hulls_are_fitted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         '<mujoco><worldbody><body name="arm"><joint name="turn"/>'
         '<geom pos="0.1 0 0" size="0.05"/></body></worldbody></mujoco>'
     )
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("PDOIK_CACHE", str(tmp_path / "cache"))
     first = pdoik.load_robot(path, hulls=True)
-    (kept,) = (tmp_path / "cache" / "pdoik" / "hulls").iterdir()
+    (kept,) = (tmp_path / "cache" / "hulls").iterdir()
     os.utime(kept, (0, 0))
     again = pdoik.load_robot(path, hulls=True)
     assert kept.stat().st_mtime == 0

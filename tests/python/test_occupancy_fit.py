@@ -298,6 +298,17 @@ def test_a_chain_can_be_chosen() -> None:
     assert skipped(None, "b") == ("a",)
 
 
+def test_links_beside_the_chain_are_named(bent: OccupancyFit) -> None:
+    box = collision('<box size="0.1 0.1 0.1"/>')
+    finger = f"""<link name="finger">{box}</link>
+      <joint name="bf" type="fixed"> <parent link="b"/> <child link="finger"/> </joint></robot>"""
+    urdf = two_joints(box).replace("</robot>", finger)
+    fit = fit_occupancy(urdf, (), 1000, None, "c")
+    assert fit.report.left_out == ("finger",)
+    assert "finger " in str(fit.report)
+    assert fit_occupancy(urdf, (), 1000).report.left_out == bent.report.left_out == ()
+
+
 def test_the_same_input_gives_the_same_file(bent: OccupancyFit) -> None:
     assert fit_occupancy(l_shaped_link(), max_volume_factor=1.6).to_yaml() == bent.to_yaml()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from os import sched_getaffinity
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
@@ -11,13 +12,17 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
+from pdoik._extras import asks_for
 from pdoik.descriptions.text import shipped_name
 
-from .messages import err, fail, misuse_fails, out, warn
+from .fit_progress import fit_story
+from .messages import err, fail, misuse_fails, out, tell, warn
 from .robots import PackageDirs, RobotArgument, XacroArguments, described
+from .solve_files import check_picture
 
 if TYPE_CHECKING:
-    from pdoik.occupancy_fit import FitReport
+    from pdoik.occupancy_fit import FitReport, OccupancyFit
+    from pdoik.occupancy_fit.geometry import LinkGeometry
 
 
 def occupancy(
@@ -48,27 +53,50 @@ def occupancy(
             "--pieces/--no-pieces", help="Keep the convex parts that links are made of, too."
         ),
     ] = True,
+    picture: Annotated[
+        Path | None,
+        typer.Option(help="Draw where each link's capsules stick out most into this .png file."),
+    ] = None,
+    cache: Annotated[
+        Path | None,
+        typer.Option(help="Folder where fits are kept; the user's (PDOIK_CACHE) otherwise."),
+    ] = None,
+    no_cache: Annotated[
+        bool, typer.Option("--no-cache", help="Fit all links anew, and keep nothing.")
+    ] = False,
+    processes: Annotated[
+        int | None, typer.Option(help="Links fitted at a time; one per processor otherwise.")
+    ] = None,
 ) -> None:
     """Fit hulls around a robot's collision geometry, and say what they cost.
+
+    Fits are kept link by link: after Ctrl-C the same command goes on.
 
     [bold]Example[/]: pdoik occupancy arm.urdf --package-dir share --out arm.occupancy.yaml
     """
     from pdoik.errors import OverhangWarning
     from pdoik.occupancy_fit import AIM, fit_occupancy  # SciPy and trimesh take long to import
+    from pdoik.occupancy_fit.geometry import load_geometry
 
     if shipped_name(robot) is not None:
         fail(f"{robot} is shipped and has its hulls; expected a file or an installed description")
     if out_file is not None and not out_file.parent.is_dir():
         fail(f"--out: there is no folder {out_file.parent}")
+    if cache is not None and no_cache:
+        fail("--cache and --no-cache exclude each other")
+    check_picture(picture)
+    if picture is not None and (paper or not capsules):
+        fail("--picture shows capsules; leave out --paper and --no-capsules")
     with (
         misuse_fails(),
         TemporaryDirectory(prefix="pdoik-meshes-") as folder,
-        err.status("fitting hulls"),
+        fit_story() as story,
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("ignore", OverhangWarning)  # told under the table
+        urdf = described(robot, package_dir, xacro_arg, folder)
         fit = fit_occupancy(
-            described(robot, package_dir, xacro_arg, folder),
+            urdf,
             max_volume_factor=max_volume_factor,
             base_link=base_link,
             tip_link=tip_link,
@@ -77,7 +105,11 @@ def occupancy(
             paper=paper,
             capsules=capsules,
             pieces=pieces,
+            cache=False if no_cache else cache,
+            processes=processes or len(sched_getaffinity(0)),
+            progress=story,
         )
+        meshes = [] if picture is None else load_geometry(urdf, (), base_link, tip_link)
 
     named = Path(robot).name
     table = Table(
@@ -111,10 +143,23 @@ def occupancy(
                 warn(f"{link.link}: capsules stick out {link.overhang}, the aims are {AIM}")
     for name in fit.report.skipped:
         out.print(f"{escape(name)}: no collision geometry, skipped", highlight=False)
+    if fit.report.left_out:
+        links = ", ".join(fit.report.left_out)
+        warn(f"left out, for --base-link and --tip-link: {links}; they collide unseen")
+    if picture is not None:
+        _draw(picture, fit, meshes)
     if out_file is not None:
         with misuse_fails("--out"):
             fit.write(out_file, comment=f"Hulls of {named}, made by pdoik occupancy.")
         err.print(f"wrote {escape(str(out_file))}", highlight=False)
+
+
+def _draw(picture: Path, fit: OccupancyFit, links: list[LinkGeometry]) -> None:
+    with asks_for("plot"):
+        from pdoik.picture.overhangs import draw_overhangs  # Matplotlib takes long to import
+    with misuse_fails("--picture"):
+        draw_overhangs(picture, fit.capsules, {link.name: link.triangles for link in links})
+    tell(f"wrote {picture}")
 
 
 def _capsule_table(report: FitReport) -> Table:

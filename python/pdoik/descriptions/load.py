@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,11 +11,10 @@ import numpy.typing as npt
 
 from .._addresses import Packages
 from .._core import Occupancy, Robot, load_srdf_pairs
-from .._files import write_whole
 from .._ways import read_urdf
 from ..errors import LoadError
 from .root_joint import standing
-from .text import Given, cache, shipped_name
+from .text import Given, shipped_name
 
 Placement = npt.ArrayLike | None
 FloatingBase = tuple[npt.ArrayLike, npt.ArrayLike] | None
@@ -48,7 +44,7 @@ def load_robot(
         floating_base: As there.
         srdf: Pairs of links that may touch.
         hulls: Fit hulls to its collision geometry, which takes a minute or two for an arm. They are
-            kept in the user's cache (XDG_CACHE_HOME), and taken from there the next time.
+            kept in the user's cache (`PDOIK_CACHE`), and taken from there the next time.
         arguments: Of a xacro file.
         packages: Folders of packages, by name, or folders that hold packages: see `urdf_text`.
 
@@ -103,20 +99,7 @@ def load_given(
 
 
 def _hulls(urdf: str) -> Occupancy:
-    """Of the geometry, from the cache if it was fitted before."""
+    """Of the geometry, link by link from the cache if it was fitted before."""
     from ..occupancy_fit import fit_occupancy
-    from ..occupancy_fit.geometry import load_geometry
 
-    digest = hashlib.sha256(version("pdoik").encode())
-    for link in load_geometry(urdf):
-        digest.update(f"\n{link.name} {link.child_joints} ".encode())
-        digest.update(link.triangles.tobytes())
-    kept = cache() / "hulls" / f"{digest.hexdigest()[:24]}.occupancy.yaml"
-    if kept.is_file():
-        with suppress(LoadError):  # what another program left there is made anew
-            return Occupancy.load(kept)
-    fitted = fit_occupancy(urdf).to_yaml()
-    with suppress(OSError):  # a home that cannot be written to only costs the time again
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(kept, fitted)
-    return Occupancy.load(fitted)
+    return Occupancy.load(fit_occupancy(urdf).to_yaml())

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 from .._addresses import Packages, Places, at_home, is_file, is_folder, with_paths
+from .._cache import cache_folder
 from .._core import Robot
 from .._files import write_whole
 from ..errors import LoadError
@@ -65,16 +66,11 @@ def urdf_file(
     if given.kind == "urdf" and given.path is not None:
         return given.path
     source = f"{given.place}\n{sorted(given.arguments.items())}\n{given.text}"
-    folder = cache() / "urdf" / hashlib.sha256(source.encode()).hexdigest()[:16]
+    folder = cache_folder() / "urdf" / hashlib.sha256(source.encode()).hexdigest()[:16]
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / given.urdf_name
     write_whole(file, given.urdf(folder))
     return file
-
-
-def cache() -> Path:
-    """The user's folder of what was made once."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "pdoik"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

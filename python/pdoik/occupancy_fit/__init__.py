@@ -14,12 +14,14 @@ with asks_for("files"):
     from .pieces import Piece, fit_pieces
     from .report import FitReport, HullReport, LinkReport
     from .result import OccupancyFit
+    from .surfaces import LinkNews
 
 __all__ = [
     "AIM",
     "Capsule",
     "FitReport",
     "HullReport",
+    "LinkNews",
     "LinkReport",
     "OccupancyFit",
     "Piece",

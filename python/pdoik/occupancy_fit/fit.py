@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,14 +10,15 @@ import numpy as np
 
 from .._addresses import Packages
 from ..errors import LoadError
-from .capsules import Capsule, fit_link
-from .geometry import LinkGeometry, load_geometry
+from .capsules import warn_of_overhang
+from .geometry import LinkGeometry, links_left_out, load_geometry
 from .hulls import Point, Shape, Sphere, Spheroid, around, convex_volume, tidy_point
+from .kept import folder_of_fits
 from .overhang import Overhang
-from .pieces import Piece, fit_pieces
 from .report import FitReport, HullReport, LinkReport
 from .result import OccupancyFit
-from .split import Part, cover_stages, union_volume
+from .surface_fit import Cover, SurfaceFit, Wanted, cover_of
+from .surfaces import Tell, fit_surfaces
 
 _ORIGIN: Point = (0.0, 0.0, 0.0)
 
@@ -25,7 +27,7 @@ class _LinkFit(NamedTuple):
     """The hulls chosen for one link; `child` names the link whose origin is the second focus."""
 
     link: LinkGeometry
-    parts: list[Part]
+    cover: Cover
     child: str | None = None
 
 
@@ -41,6 +43,9 @@ def fit_occupancy(
     paper: bool = False,
     capsules: bool = True,
     pieces: bool = True,
+    cache: str | os.PathLike[str] | bool | None = None,
+    processes: int = 1,
+    progress: Tell | None = None,
 ) -> OccupancyFit:
     """Spheres and spheroids that hold the collision geometry of a robot's links.
 
@@ -51,11 +56,14 @@ def fit_occupancy(
 
     The geometry's volume is that of its convex hull, since most packages treat collision geometry
     as convex. What the hulls hold is the geometry itself: surface and enclosed solid, vertex by
-    vertex, with 1e-6 m to spare; cut links may come out below their convex hull's volume. Each cut
-    takes seconds to find: a whole arm 15 s at factor 2, minutes at factor 1.
+    vertex, with 1e-6 m to spare; cut links may come out below their convex hull's volume.
 
     Beside them, capsules hold the same geometry as it is, concave or not, and stick out far less
-    (`fit_capsules`): about ten per link, in a minute for an arm.
+    (`fit_capsules`): about ten per link, in some seconds each.
+
+    Links of the same geometry, moved or mirrored, are fitted once. Each link's fit is kept by its
+    content as soon as it is done: a second call takes a second, and one that was interrupted goes
+    on.
 
     Args:
         urdf: Robot description with collision primitives or meshes: a file, or XML text.
@@ -72,6 +80,11 @@ def fit_occupancy(
         capsules: Fit capsules too.
         pieces: With capsules, keep the convex parts that a link is made of, where it is made of
             such (`fit_pieces`): where capsules touch something, they say whether the link does.
+        cache: Folder where fits are kept; None for the user's (`PDOIK_CACHE`, which turns it off
+            where it is empty, or pdoik in `XDG_CACHE_HOME` or ~/.cache), False for none.
+        processes: How many links are fitted at a time; hulls are the same. With more than 1 a
+            script needs `if __name__ == "__main__":`, as for Python's multiprocessing.
+        progress: Told when a link is begun and when it is done.
 
     Warns:
         OverhangWarning: A link's capsules stick out farther than they should; `report` tells too.
@@ -82,8 +95,9 @@ def fit_occupancy(
     """
     if not max_volume_factor >= 1:
         raise ValueError(f"max_volume_factor must be at least 1, got {max_volume_factor}")
-    if max_parts < 1:
-        raise ValueError(f"max_parts must be at least 1, got {max_parts}")
+    for name, value in (("max_parts", max_parts), ("processes", processes)):
+        if value < 1:
+            raise ValueError(f"{name} must be at least 1, got {value}")
     links = load_geometry(urdf, packages, base_link, tip_link)
     solid = [link for link in links if len(link.triangles)]
     skipped = tuple(link.name for link in links if not len(link.triangles))
@@ -92,16 +106,24 @@ def fit_occupancy(
     if max_hulls is not None and max_hulls < len(solid):
         raise ValueError(f"max_hulls is {max_hulls}, but {len(solid)} links have geometry")
 
+    left_out = links_left_out(urdf, base_link, tip_link)
+    first = [_joint_to_joint(link) for link in solid]
     if paper:
-        fits = [_joint_to_joint(link) for link in solid]
-        return _result(fits, skipped, _joint_spheres(fits), {}, {})
-    stages = [_link_stages(link, max_volume_factor, max_parts) for link in solid]
-    tight = {link.name: fit_link(link.name, link.triangles) for link in solid} if capsules else {}
-    exact = {
-        name: fit_pieces(name, link.triangles)
-        for name, link in ((link.name, link) for link in solid if pieces and link.name in tight)
-    }
-    return _result(_within_budget(stages, max_hulls), skipped, [], tight, exact)
+        return _result(first, skipped, left_out, _joint_spheres(first), {})
+    surfaces = {}
+    for fit in first:
+        limit = max_volume_factor * convex_volume(fit.link.triangles.reshape(-1, 3))
+        covers = fit.cover.volume > limit
+        wanted = Wanted(max_volume_factor, max_parts, covers, capsules, pieces)
+        surfaces[fit.link.name] = fit.link.triangles, wanted
+    found = fit_surfaces(surfaces, folder_of_fits(cache), processes, progress)
+    for link, surface in found.items():
+        warn_of_overhang(link, len(surface.capsules), surface.overhang)
+    stages = []
+    for fit in first:
+        covers_of = found[fit.link.name].covers
+        stages.append([_LinkFit(fit.link, cover) for cover in covers_of] or [fit])
+    return _result(_within_budget(stages, max_hulls), skipped, left_out, [], found)
 
 
 def _joint_to_joint(link: LinkGeometry) -> _LinkFit:
@@ -115,31 +137,21 @@ def _joint_to_joint(link: LinkGeometry) -> _LinkFit:
         for child, origin in link.child_joints
     ] or [(around(points, np.zeros(3), np.zeros(3)), None)]
     shape, child = min(candidates, key=lambda candidate: candidate[0].volume)
-    return _LinkFit(link, [Part(link.triangles, shape)], child)
-
-
-def _link_stages(link: LinkGeometry, max_volume_factor: float, max_parts: int) -> list[_LinkFit]:
-    """Covers of one link with ever more hulls and less volume."""
-    fit = _joint_to_joint(link)
-    limit = max_volume_factor * convex_volume(link.triangles.reshape(-1, 3))
-    if fit.parts[0].shape.volume <= limit:
-        return [fit]
-    stages = cover_stages(link.triangles, max_volume_factor, max_parts)
-    return [_LinkFit(link, parts) for parts in stages]
+    return _LinkFit(link, cover_of([(link.triangles, shape)]), child)
 
 
 def _within_budget(stages: list[list[_LinkFit]], max_hulls: int | None) -> list[_LinkFit]:
     """One stage per link: the last one, or as far as the budget goes where it saves most."""
     if max_hulls is None:
         return [link_stages[-1] for link_stages in stages]
-    volumes = [[_covered(fit) for fit in link_stages] for link_stages in stages]
+    volumes = [[fit.cover.volume for fit in link_stages] for link_stages in stages]
     chosen = [0] * len(stages)
     spare = max_hulls - len(stages)
     while True:
         gains = []
         for i, at in enumerate(chosen):
             for ahead in range(at + 1, len(stages[i])):
-                cost = len(stages[i][ahead].parts) - len(stages[i][at].parts)
+                cost = len(stages[i][ahead].cover.hulls) - len(stages[i][at].cover.hulls)
                 if cost <= spare:
                     gains.append(((volumes[i][at] - volumes[i][ahead]) / cost, cost, i, ahead))
         if not gains:
@@ -149,15 +161,11 @@ def _within_budget(stages: list[list[_LinkFit]], max_hulls: int | None) -> list[
         spare -= cost
 
 
-def _covered(fit: _LinkFit) -> float:
-    return union_volume([part.shape for part in fit.parts])
-
-
 def _joint_spheres(fits: list[_LinkFit]) -> list[Sphere]:
     """At each joint the largest ball about its origin inside an adjacent spheroid: a - c."""
     radii: dict[str, float] = {}
     for fit in fits:
-        shape = fit.parts[0].shape
+        shape = fit.cover.hulls[0].shape
         c = float(np.linalg.norm(shape.focus_b - shape.focus_a)) / 2
         for link in {fit.link.name, fit.child} - {None}:
             radii[str(link)] = max(radii.get(str(link), 0.0), round(shape.semi_major - c, 9))
@@ -167,57 +175,54 @@ def _joint_spheres(fits: list[_LinkFit]) -> list[Sphere]:
 def _result(
     fits: list[_LinkFit],
     skipped: tuple[str, ...],
+    left_out: tuple[str, ...],
     joint_spheres: list[Sphere],
-    tight: dict[str, tuple[list[Capsule], Overhang]],
-    exact: dict[str, list[Piece]],
+    found: dict[str, SurfaceFit],
 ) -> OccupancyFit:
     spheres, spheroids, rows = list(joint_spheres), [], []
     for fit in fits:
         name = fit.link.name
-        for part in fit.parts:
-            a, b = tidy_point(part.shape.focus_a), tidy_point(part.shape.focus_b)
-            is_sphere = part.shape.is_ball and not joint_spheres
+        for shape, geometry_volume in fit.cover.hulls:
+            a, b = tidy_point(shape.focus_a), tidy_point(shape.focus_b)
+            is_sphere = shape.is_ball and not joint_spheres
             if is_sphere:
-                spheres.append(Sphere(name, a, part.shape.semi_major))
+                spheres.append(Sphere(name, a, shape.semi_major))
             elif fit.child is not None:
-                spheroids.append(Spheroid(name, a, fit.child, _ORIGIN, part.shape.semi_major))
+                spheroids.append(Spheroid(name, a, fit.child, _ORIGIN, shape.semi_major))
             else:
-                spheroids.append(Spheroid(name, a, name, b, part.shape.semi_major))
+                spheroids.append(Spheroid(name, a, name, b, shape.semi_major))
             rows.append(
                 HullReport(
                     link=name,
                     kind="sphere" if is_sphere else "spheroid",
-                    geometry_volume=convex_volume(part.points),
-                    hull_volume=part.shape.volume,
+                    geometry_volume=geometry_volume,
+                    hull_volume=shape.volume,
                 )
             )
     report = FitReport(
         hulls=tuple(rows),
-        links=tuple(_link_report(fit, tight, exact) for fit in fits),
+        links=tuple(_link_report(fit, found.get(fit.link.name)) for fit in fits),
         skipped=skipped,
+        left_out=left_out,
     )
     return OccupancyFit(
         spheres=tuple(spheres),
         spheroids=tuple(spheroids),
         report=report,
-        capsules=tuple(capsule for found, _ in tight.values() for capsule in found),
-        pieces=tuple(piece for found in exact.values() for piece in found),
+        capsules=tuple(capsule for fit in found.values() for capsule in fit.capsules),
+        pieces=tuple(piece for fit in found.values() for piece in fit.pieces),
     )
 
 
-def _link_report(
-    fit: _LinkFit,
-    tight: dict[str, tuple[list[Capsule], Overhang]],
-    exact: dict[str, list[Piece]],
-) -> LinkReport:
-    found, out = tight.get(fit.link.name, ([], Overhang(0.0, 0.0)))
+def _link_report(fit: _LinkFit, found: SurfaceFit | None) -> LinkReport:
+    out = Overhang(0.0, 0.0) if found is None else found.overhang
     return LinkReport(
         link=fit.link.name,
-        n_hulls=len(fit.parts),
+        n_hulls=len(fit.cover.hulls),
         geometry_volume=convex_volume(fit.link.triangles.reshape(-1, 3)),
-        covered_volume=_covered(fit),
-        n_capsules=len(found),
+        covered_volume=fit.cover.volume,
+        n_capsules=0 if found is None else len(found.capsules),
         mean_overhang=out.mean,
         worst_overhang=out.worst,
-        n_pieces=len(exact.get(fit.link.name, [])),
+        n_pieces=0 if found is None else len(found.pieces),
     )

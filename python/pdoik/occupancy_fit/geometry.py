@@ -54,6 +54,7 @@ def load_geometry(
     joints = [_read_joint(element) for element in root.findall("joint")]
     links = {_attribute(element, "name"): element for element in root.findall("link")}
     keep = _chain(links, joints, base_link, tip_link)
+    _find_all_meshes([element for name, element in links.items() if name in keep], places)
     return [
         LinkGeometry(
             name=name,
@@ -63,6 +64,21 @@ def load_geometry(
         for name, element in links.items()
         if name in keep
     ]
+
+
+def links_left_out(
+    urdf: str | Path, base_link: str | None = None, tip_link: str | None = None
+) -> tuple[str, ...]:
+    """The links with collision geometry that `load_geometry` leaves out, in the file's order."""
+    root, _ = _parse(urdf)
+    joints = [_read_joint(element) for element in root.findall("joint")]
+    links = {_attribute(element, "name"): element for element in root.findall("link")}
+    keep = _chain(links, joints, base_link, tip_link)
+    return tuple(
+        name
+        for name, element in links.items()
+        if name not in keep and element.find("collision") is not None
+    )
 
 
 def _parse(urdf: str | Path) -> tuple[ElementTree.Element, Path | None]:
@@ -144,6 +160,22 @@ def _shape_triangles(shape: ElementTree.Element, where: str, places: Places) -> 
     else:
         raise LoadError(f"{where}: unknown collision shape <{shape.tag}>")
     return np.asarray(mesh.triangles, dtype=np.float64)
+
+
+def _find_all_meshes(links: list[ElementTree.Element], places: Places) -> None:
+    """Name all meshes that are missing, not the first alone."""
+    missing: dict[str, str] = {}  # by address, each once
+    for link in links:
+        for mesh in link.findall("collision/geometry/mesh"):
+            address = _attribute(mesh, "filename")
+            try:
+                _find_mesh(address, f"link {link.get('name')!r}", places)
+            except LoadError as error:
+                missing.setdefault(address, str(error))
+    if len(missing) == 1:
+        raise LoadError(*missing.values())
+    if missing:
+        raise LoadError(f"{len(missing)} meshes are missing: {'; '.join(missing.values())}")
 
 
 def _find_mesh(address: str, where: str, places: Places) -> Path:

@@ -89,6 +89,16 @@ def extreme_points(points: FloatArray) -> FloatArray:
         return unique
 
 
+def principal_axes(points: FloatArray) -> FloatArray:
+    """Of points (N, 3), the longest first, as rows (3, 3).
+
+    Without BLAS, whose sums depend on how many threads share them: ties would be broken by chance.
+    """
+    centered = points - points.mean(axis=0)
+    _, axes = np.linalg.eigh(np.einsum("ni,nj->ij", centered, centered))
+    return np.asarray(axes.T[::-1])
+
+
 def convex_volume(points: FloatArray) -> float:
     """Volume of the points' convex hull, 0 where it is flat, [m^3]."""
     try:
@@ -97,27 +107,20 @@ def convex_volume(points: FloatArray) -> float:
         return 0.0
 
 
-def smallest_shape(points: FloatArray, *, quick: bool = False) -> Shape:
-    """A spheroid with free foci, or a sphere, of locally least volume around the points (N, 3).
-
-    Args:
-        points: What to hold.
-        quick: Look roughly and from fewer starts, to rank cuts; the hull is sound all the same.
-    """
+def smallest_shape(points: FloatArray) -> Shape:
+    """A spheroid with free foci, or a sphere, of locally least volume around the points (N, 3)."""
     corners = extreme_points(points)
     origin = (corners.min(axis=0) + corners.max(axis=0)) / 2
     scale = max(float(np.abs(corners - origin).max()), MARGIN)
     unit = (corners - origin) / scale
-    _, _, axes = np.linalg.svd(unit - unit.mean(axis=0), full_matrices=True)
 
     def shape_from(half: FloatArray, *, is_ball: bool = False) -> Shape:
-        center, half = _descend(unit, half, is_ball=is_ball, tolerance=1e-4 if quick else 1e-7)
+        center, half = _descend(unit, half, is_ball=is_ball, tolerance=1e-7)
         return around(corners, origin + scale * (center - half), origin + scale * (center + half))
 
-    starts = [0.7 * np.abs(unit @ axis).max() * axis for axis in axes[: 2 if quick else 3]]
+    axes = principal_axes(unit)
+    starts = 0.7 * np.abs(np.einsum("ni,ki->nk", unit, axes)).max(axis=0)[:, None] * axes
     spheroid = min((shape_from(start) for start in starts), key=lambda shape: shape.volume)
-    if quick:
-        return spheroid
     ball = shape_from(np.zeros(3), is_ball=True)
     return ball if ball.volume <= (1 + _BALL_BONUS) * spheroid.volume else spheroid
 

@@ -33,6 +33,17 @@ def each_overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINT
     return np.asarray(outside.max(axis=1))
 
 
+def worst_place(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> FloatArray:
+    """Where the capsules' union sticks out most, and the surface's nearest point, (2, 3) [m].
+
+    Good to the distance of the points on the capsules.
+    """
+    on = surface(capsules, max(points // len(capsules.radius), 60))
+    outer = on.points[free(capsules, on)]
+    place = outer[int(solid.outside(outer).argmax())]
+    return np.stack([place, solid.nearest(place)])
+
+
 def overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> Overhang:
     """Measured on points spread over the surface of the capsules' union.
 

@@ -51,11 +51,12 @@ class LinkReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitReport:
-    """One row per hull, one per link, and the links that have no collision geometry."""
+    """One row per hull, one per link, and the links that have none."""
 
     hulls: tuple[HullReport, ...]
     links: tuple[LinkReport, ...]
-    skipped: tuple[str, ...]
+    skipped: tuple[str, ...]  # links without collision geometry
+    left_out: tuple[str, ...] = ()  # links with it, not between the base and the tip asked for
 
     @property
     def factor(self) -> float:
@@ -81,4 +82,5 @@ class FitReport:
                 lines.append(f"{row.link:24}{row.n_capsules:9}{out}{row.n_pieces:13}")
             lines.append(f"{'all':24}{sum(row.n_capsules for row in self.links):9}")
         lines += [f"{link:24} no collision geometry, skipped" for link in self.skipped]
+        lines += [f"{link:24} not between base and tip, left out" for link in self.left_out]
         return "\n".join(lines)

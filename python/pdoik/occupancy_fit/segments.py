@@ -82,29 +82,38 @@ def surface(capsules: Capsules, count: int, turn: float = 0.0) -> Surface:
         turn: Shifts the spiral, in [0, 1): other points of the same density.
     """
     a, b, radius = capsules
-    length = np.linalg.norm(b - a, axis=1)
-    axis = np.where(length[:, None] > 1e-9, b - a, [0.0, 0.0, 1.0])
-    axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
-    least = np.eye(3)[np.abs(axis).argmin(axis=1)]
-    across = np.cross(axis, least)
-    across /= np.linalg.norm(across, axis=1, keepdims=True)
-    third = np.cross(axis, across)
+    length = np.sqrt(np.einsum("ki,ki->k", b - a, b - a))
     height = (np.arange(count) + (0.5 + turn) % 1) / count
     z = height * (length + 2 * radius)[:, None] - radius[:, None]  # (K, N), 0 at a
-    on_axis = np.clip(z, 0, length[:, None])
+    on_axis = np.minimum(np.maximum(z, 0), length[:, None])
     sine = (z - on_axis) / radius[:, None]
     cosine = np.sqrt(np.maximum(1 - sine**2, 0))
     angle = _GOLDEN_TURN * np.arange(count) + 2 * np.pi * turn
-    normals = sine[:, :, None] * axis[:, None] + cosine[:, :, None] * (
-        np.cos(angle)[:, None] * across[:, None] + np.sin(angle)[:, None] * third[:, None]
-    )
-    foot = a[:, None] + on_axis[:, :, None] * axis[:, None]
+    local = np.stack([sine, cosine * np.cos(angle), cosine * np.sin(angle)], axis=2)
+    triads = _triads(b - a, length)
+    normals = local @ triads
+    local *= radius[:, None, None]
+    local[:, :, 0] += on_axis
     return Surface(
-        points=foot + radius[:, None, None] * normals,
+        points=local @ triads + a[:, None],
         normals=normals,
         at=on_axis / np.maximum(length, 1e-9)[:, None],
         areas=2 * np.pi * radius * (length + 2 * radius) / count,
     )
+
+
+def _triads(along: FloatArray, length: FloatArray) -> FloatArray:
+    """Right-handed triads of unit vectors, the first along each of K vectors, as rows (K, 3, 3)."""
+    axis = np.where(length[:, None] > 1e-9, along, [0.0, 0.0, 1.0])
+    axis /= np.sqrt(np.einsum("ki,ki->k", axis, axis))[:, None]
+    each, least = np.arange(len(axis)), np.abs(axis).argmin(axis=1)
+    across = np.zeros_like(axis)  # the product with the axis of the frame that is least along
+    across[each, (least + 1) % 3] = axis[each, (least + 2) % 3]
+    across[each, (least + 2) % 3] = -axis[each, (least + 1) % 3]
+    across /= np.sqrt(np.einsum("ki,ki->k", across, across))[:, None]
+    (x, y, z), (u, v, w) = axis.T, across.T
+    third = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    return np.stack([axis, across, third], axis=1)
 
 
 def free(

@@ -141,6 +141,12 @@ class Solid:
         deep = (self.depth[tuple(at.T)] > 0) & on_grid
         return np.asarray(np.where(deep, 0.0, distance))
 
+    def nearest(self, point: FloatArray) -> FloatArray:
+        """The surface's point nearest to one (3,), (3,) [m]."""
+        each = np.broadcast_to(point, (len(self.triangles), 3))
+        closest: Any = trimesh.triangles.closest_point(self.triangles, each)  # type: ignore[no-untyped-call]
+        return np.asarray(closest[np.linalg.norm(closest - point, axis=1).argmin()])
+
     def inner_points(self) -> tuple[FloatArray, FloatArray]:
         """Centers of the voxels inside, (N, 3), and their depths, (N,) [m]."""
         index = np.argwhere(self.depth > 0)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from .hulls import FloatArray, Shape, convex_volume, extreme_points, smallest_shape
+from .hulls import FloatArray, Shape, convex_volume, principal_axes, smallest_shape
+from .rough import Halves, rough_shapes
 
 _OFFSETS = (0.2, 0.35, 0.5, 0.65, 0.8)  # where along its normal a part is first cut
+_FINALISTS = 2  # planes that are moved further
+_NEAR, _REACHES = 16, (0.25, 0.12, 0.06)  # planes near one, and how near round by round
 _COARSE_SAMPLES, _FINE_SAMPLES = 4_000, 60_000
+_NONE = np.empty((0, 2, 3))
 _MIN_GAIN = 0.04  # of a link's covered volume, below which one more hull is not worth its time
 
 
@@ -32,7 +35,7 @@ def clip(triangles: FloatArray, normal: FloatArray, offset: float) -> FloatArray
     A triangle the plane crosses is cut: the crossing points of its edges become corners, so the
     parts on both sides together are the whole surface. Triangles in the plane fall on both sides.
     """
-    height = triangles @ normal - offset  # (T, 3)
+    height = np.einsum("tci,i->tc", triangles, normal) - offset  # (T, 3), see principal_axes
     inside = height >= 0
     count = inside.sum(axis=1)
     pieces = [triangles[count == 3]]
@@ -103,22 +106,28 @@ def cover_stages(
 
 
 def _split(part: Part) -> list[Part]:
-    """Two parts, cut by the plane that leaves the smallest union of their hulls, or none."""
+    """Two parts, cut by the plane that leaves the smallest union of their hulls, or none.
+
+    Planes are ranked by rough hulls; only the best one's halves are wrapped in the smallest.
+    """
     points = part.points
-    _, _, principal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
     diagonals = [np.roll([1.0, sign, 0.0], k) / np.sqrt(2) for k in range(3) for sign in (1, -1)]
     planes = []
-    for normal in [*np.eye(3), *diagonals, *principal]:
-        heights = points @ normal
+    for normal in [*np.eye(3), *diagonals, *principal_axes(points)]:
+        heights = np.einsum("ni,i->n", points, normal)
         low, high = heights.min(), heights.max()
         planes += [np.append(normal, low + share * (high - low)) for share in _OFFSETS]
-    scored = sorted((_cut_volume(part, plane), index) for index, plane in enumerate(planes))
-    finalists = [planes[index] for volume, index in scored[:2] if np.isfinite(volume)]
+    volumes = _cut_volumes(Halves(part.triangles), np.array(planes))
+    best = np.argsort(volumes)[:_FINALISTS]
+    finalists = [planes[index] for index in best if np.isfinite(volumes[index])]
     finalists += [_refine(part, plane) for plane in finalists]
     if not finalists:
         return []
-    best = min(finalists, key=lambda plane: _cut_volume(part, plane))
-    return [Part(half, smallest_shape(half.reshape(-1, 3))) for half in _halves(part, best)]
+    volumes = _cut_volumes(Halves(part.triangles), np.array(finalists))
+    halves = _halves(part, finalists[int(np.argmin(volumes))])
+    if not all(len(half) for half in halves):
+        return []
+    return [Part(half, smallest_shape(half.reshape(-1, 3))) for half in halves]
 
 
 def _halves(part: Part, plane: FloatArray) -> list[FloatArray]:
@@ -126,33 +135,35 @@ def _halves(part: Part, plane: FloatArray) -> list[FloatArray]:
     return [clip(part.triangles, normal, plane[3]), clip(part.triangles, -normal, -plane[3])]
 
 
-def _cut_volume(part: Part, plane: FloatArray) -> float:
-    """Union of the hulls on both sides of the plane, by quick fits, [m^3]; inf if it cuts nothing.
+def _cut_volumes(halves: Halves, planes: FloatArray) -> FloatArray:
+    """Union of rough hulls on both sides of each plane (N, 4), (N,) [m^3]; inf if it cuts nothing.
 
     A plane through a vertex or along a face leaves that much on its other side: no cut either.
     """
-    halves = _halves(part, plane)
-    if any(len(extreme_points(half.reshape(-1, 3))) < 4 for half in halves):
-        return np.inf
-    shapes = [smallest_shape(half.reshape(-1, 3), quick=True) for half in halves]
-    return union_volume(shapes, _COARSE_SAMPLES)
+    volumes = np.full(len(planes), np.inf)
+    sides = [halves.of(plane[:3], plane[3]) for plane in planes]
+    cuts = [index for index, both in enumerate(sides) if both is not None]
+    shapes = rough_shapes(np.concatenate([both for both in sides if both is not None] or [_NONE]))
+    for k, index in enumerate(cuts):
+        volumes[index] = union_volume(shapes[2 * k : 2 * k + 2], _COARSE_SAMPLES)
+    return volumes
 
 
 def _refine(part: Part, plane: FloatArray) -> FloatArray:
-    """Turn and shift the plane a little, by Nelder-Mead (the union's volume has kinks)."""
+    """Turn and shift the plane a little: the best of many near it, then of many nearer to that."""
     size = float(np.ptp(part.points, axis=0).max())
     tangents = np.linalg.svd(plane[None, :3])[2][1:]
+    center = part.points.mean(axis=0)
+    halves = Halves(part.triangles)
 
     def moved(x: FloatArray) -> FloatArray:
         normal = plane[:3] + x[:2] @ tangents
-        center = part.points.mean(axis=0)
         shift = (plane[3] - plane[:3] @ center) + 0.3 * size * x[2]
         normal = normal / np.linalg.norm(normal)
         return np.append(normal, normal @ center + shift)
 
-    def volume_at(x: FloatArray) -> float:
-        return _cut_volume(part, moved(x))
-
-    options: Any = {"initial_simplex": 0.25 * np.eye(4, 3, k=-1), "maxfev": 40}
-    result = minimize(volume_at, np.zeros(3), method="Nelder-Mead", options=options)
-    return moved(np.asarray(result.x))
+    around, best = 2 * _halton(_NEAR) - 1, np.zeros(3)
+    for reach in _REACHES:
+        near = np.concatenate([best[None], best + reach * around])
+        best = near[int(np.argmin(_cut_volumes(halves, np.array([moved(x) for x in near]))))]
+    return moved(best)
