@@ -125,9 +125,7 @@ def read_matrix(
         raise EntryError(file, what, at)
     pairs = zip(by_default, values, strict=True)
     defaults = {_name(name, objects): _is_true(value) for name, value in pairs}
-    known = {
-        name: may for name, may in defaults.items() if not is_pattern(name) or name in objects
-    }
+    known = {name: may for name, may in defaults.items() if not is_pattern(name) or name in objects}
     rules = [_rule(name, "*", may=True) for name, may in known.items() if may]
     if rules:
         rules += [_rule(name, "*", may=False) for name, may in known.items() if not may]
