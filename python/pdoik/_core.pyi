@@ -727,7 +727,7 @@ class Robot:
             srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers
                 keep the robot's hulls off one another unless told otherwise.
             hulls: Fit hulls to its collision geometry, which takes a minute or two for an arm. They are
-                kept in the user's cache (XDG_CACHE_HOME), and taken from there the next time.
+                kept in the user's cache (`PDOIK_CACHE`), and taken from there the next time.
             arguments: Of a xacro file.
             packages: Folders by the name of the package, for `package://NAME/...` and `$(find NAME)`;
                 or folders that hold packages. See `pdoik.urdf_text` for where else they are looked for.
