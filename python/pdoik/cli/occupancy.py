@@ -50,7 +50,7 @@ def occupancy(
     pieces: Annotated[
         bool,
         typer.Option(
-            "--pieces/--no-pieces", help="Keep the convex parts that links are made of, too."
+            "--pieces/--no-pieces", help="Fit convex pieces of links, to 1 mm, too."
         ),
     ] = True,
     picture: Annotated[

@@ -78,8 +78,8 @@ def fit_occupancy(
             each joint the largest sphere within the adjacent spheroids: it has the paper's count
             of constraints and adds no volume. No capsules then.
         capsules: Fit capsules too.
-        pieces: With capsules, keep the convex parts that a link is made of, where it is made of
-            such (`fit_pieces`): where capsules touch something, they say whether the link does.
+        pieces: With capsules, convex pieces that together are the link within 1 mm (`fit_pieces`):
+            where capsules touch something, they say whether the link does.
         cache: Folder where fits are kept; None for the user's (`PDOIK_CACHE`, which turns it off
             where it is empty, or pdoik in `XDG_CACHE_HOME` or ~/.cache), False for none.
         processes: How many links are fitted at a time; hulls are the same. With more than 1 a
