@@ -49,9 +49,7 @@ def occupancy(
     ] = True,
     pieces: Annotated[
         bool,
-        typer.Option(
-            "--pieces/--no-pieces", help="Fit convex pieces of links, to 1 mm, too."
-        ),
+        typer.Option("--pieces/--no-pieces", help="Fit convex pieces of links, to 1 mm, too."),
     ] = True,
     picture: Annotated[
         Path | None,

@@ -27,9 +27,8 @@ _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
 _SWELLING = 0.15  # by a proof, of the aims, until one has told
 _CLOSE = 0.95  # of the aims, from where no more is left out after a proof
-_HASTE, _MORE_HASTE = 0.12, 1.3  # share left out at once; after a success, over the last one's
-_ALMOST = 1.08  # of the aims, up to where one that is left out is tried once more
-_PATIENCE, _PATIENCE_SHARE = 2, 0.08  # capsules whose loss is tried in vain before the rest stay
+_HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
+_PATIENCE = 2  # capsules whose loss is tried in vain before the rest stay
 
 
 AIM = Overhang(mean=0.004, worst=0.015)
@@ -146,8 +145,8 @@ class _Fit:
         self.solid, self.aim, self.most = solid, aim, most
         inner, _ = solid.inner_points()
         landmarks = [solid.landmarks(_LANDMARKS), inner[:: max(len(inner) // _INNER, 1)]]
-        points = np.concatenate([*landmarks, solid.samples.data])
-        self.wrap = ShrinkWrap(solid, points, aim.worst)
+        self.points = np.concatenate([*landmarks, solid.samples.data])
+        self.wrap = ShrinkWrap(solid, self.points, aim.worst)
         self.first = greedy_cover(solid, np.concatenate(landmarks), _FIRST_SWELL * aim.worst)
         self.proof = Proof(solid)
         self.swelling = Overhang(_SWELLING * aim.mean, _SWELLING * aim.worst)  # by the proof
@@ -200,27 +199,25 @@ class _Fit:
         return best
 
     def _fewer(self, best: _Set) -> _Set:
-        """Ever fewer capsules as long as the aims hold, first several at a time."""
+        """Ever fewer capsules as long as the aims hold; while they are far, several at a time."""
         in_vain: set[int] = set()
         haste = _HASTE
-        while best.score <= 1 and best.count > 1 and len(in_vain) < self._patience(best):
-            count = max(1, int(haste * best.count))
-            chosen = self._dispensable(best.capsules, count, in_vain)
-            left = np.delete(np.arange(best.count), chosen)
+        while best.score <= 1 and best.count > 1 and len(in_vain) < _PATIENCE:
+            order = [int(k) for k in np.argsort(self._losses(best.capsules)) if k not in in_vain]
+            if not order:
+                break
+            count = max(1, int(haste * (1 - best.score) * best.count))
+            left = np.delete(np.arange(best.count), order[:count])
             fewer = self._moved(best.capsules.take(left), _DROP_STEPS)
-            if count == 1 and 1 < fewer.score < _ALMOST:
+            if fewer.score > 1 and count == 1:
                 fewer = self._moved(fewer.capsules, _DROP_STEPS)
             if fewer.score <= 1:
                 best, in_vain = fewer, set()
-                haste = min(_HASTE, _MORE_HASTE * haste)
             elif count > 1:
                 haste /= 2
             else:
-                in_vain.update(chosen)
+                in_vain.add(order[0])
         return best
-
-    def _patience(self, now: _Set) -> int:
-        return min(max(_PATIENCE, round(_PATIENCE_SHARE * now.count)), now.count)
 
     def _split(self, capsules: Capsules, score: float) -> Capsules:
         """Halves in place of the capsules that stick out most; of a short one, side by side."""
@@ -249,16 +246,10 @@ class _Fit:
         excess = np.maximum(out - self.aim.mean, 0) / self.aim.mean
         return np.asarray((excess + (out / self.aim.worst) ** 6).sum(axis=1) * on.areas)
 
-    def _dispensable(self, capsules: Capsules, count: int, kept: set[int]) -> list[int]:
-        """Capsules without which least would be bare, one after the other, but for those kept."""
-        gap = to_segments(self.wrap.points, capsules.a, capsules.b)
-        gap -= capsules.radius.astype(gap.dtype)
-        chosen: list[int] = []
-        while len(chosen) < min(count, len(capsules.radius) - 1):
-            own = gap.argmin(axis=1)
-            bare = np.maximum(np.partition(gap, 1, axis=1)[:, 1], 0) ** 2  # without the nearest
-            losses = np.bincount(own, bare, minlength=len(capsules.radius))
-            losses[[*kept, *chosen]] = np.inf
-            chosen.append(int(losses.argmin()))
-            gap[:, chosen[-1]] = np.inf
-        return chosen
+    def _losses(self, capsules: Capsules) -> FloatArray:
+        """How much would be bare without each capsule, (K,)."""
+        gap = to_segments(self.points.astype(np.float32), capsules.a, capsules.b) - capsules.radius
+        own = gap.argmin(axis=1)
+        nearest = np.partition(gap, 1, axis=1)[:, 1]  # of the others
+        bare = np.maximum(nearest, 0) ** 2
+        return np.bincount(own, bare, minlength=len(gap[0])).astype(np.float64)

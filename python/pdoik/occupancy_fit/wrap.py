@@ -80,26 +80,26 @@ class ShrinkWrap:
 
     def __init__(self, solid: Solid, points: FloatArray, worst: float) -> None:
         self._solid, self._worst = solid, worst
-        self.points = points.astype(np.float32)  # (P, 3)
+        self._points = points.astype(np.float32)  # (P, 3)
 
     def move(self, capsules: Capsules, steps: int) -> Capsules:
         """What comes back leaves points outside by some tenths of a millimetre."""
         x = np.concatenate([capsules.a, capsules.b, capsules.radius[:, None]], axis=1)  # (K, 7)
         first, second = np.zeros_like(x), np.zeros_like(x)
         area = _FREE_SHARE * float(surface(capsules, 1).areas.sum())
-        multipliers = np.zeros(len(self.points))
+        multipliers = np.zeros(len(self._points))
         for n in range(1, steps + 1):
             progress = n / steps
             now = Capsules(x[:, :3], x[:, 3:6], x[:, 6])
             rho = 2 * (0.1 + 0.9 * progress) * _STIFFNESS * area
             if n % _REFRESH == 1:  # look only at points that may come out before the next look
-                gap = to_segments(self.points, now.a, now.b) - now.radius.astype(np.float32)
+                gap = to_segments(self._points, now.a, now.b) - now.radius.astype(np.float32)
                 gap = gap.min(axis=1)
                 multipliers = np.maximum(multipliers + rho * gap / 4, 0)
                 push = multipliers + rho * gap
                 active = np.argpartition(-push, min(_ACTIVE, len(push)) - 1)[:_ACTIVE]
             gradient = self._outside_gradient(now, turn=(0.618 * n) % 1)
-            gradient -= _pull(self.points[active], multipliers[active], rho, now) / len(gap)
+            gradient -= _pull(self._points[active], multipliers[active], rho, now) / len(gap)
             first = 0.8 * first + 0.2 * gradient
             second = 0.95 * second + 0.05 * gradient**2
             # One scale per capsule, so that a step keeps the gradient's direction.
