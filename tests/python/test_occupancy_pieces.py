@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 
 import pdoik
 from pdoik.occupancy_fit import fit_occupancy, fit_pieces
+from pdoik.occupancy_fit.beyond import Beyond
 from pdoik.occupancy_fit.pieces import TOLERANCE
 
 FloatArray = NDArray[np.float64]
@@ -119,6 +120,28 @@ def test_pieces_hold_a_concave_body_and_stand_out_no_farther_than_they_say(
         faces = trimesh.Trimesh(piece.vertices, piece.triangles)
         out = outside(np.asarray(trimesh.sample.sample_surface(faces, 4000, seed=2)[0]))
         assert out.max() < piece.tolerance + _CHORD + 2e-4  # what lies between the measured places
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_how_far_places_are_beyond_a_body_is_exact(turned: bool) -> None:
+    triangles, outside = _bracket()
+    sharp = np.array([[0.3, 0.0, 0.0], [0.4, 0.001, 0.0], [0.4, -0.001, 0.0], [0.35, 0.0, 0.03]])
+    spike = sharp[[[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]]  # edges of two degrees
+    hull = ConvexHull(sharp).equations
+    beyond = Beyond(np.concatenate([triangles, spike])[:, ::-1] if turned else triangles)
+    low, high = np.array([-0.02, -0.02, -0.02]), np.array([0.22, 0.12, 0.07])
+    places = np.random.default_rng(3).uniform(low, high, (4000, 3))
+    out = beyond(places)
+    near = outside(places) < 0.05  # not nearer to the spike
+    np.testing.assert_allclose(out[near], np.maximum(outside(places), 0.0)[near], atol=6e-5)
+    if turned:
+        about = np.random.default_rng(4).uniform(sharp.min(axis=0), sharp.max(axis=0), (4000, 3))
+        inside = (about @ hull[:, :3].T + hull[:, 3]).max(axis=1) < 0.0
+        assert inside.sum() > 200
+        assert beyond(about[inside]).max() < 6e-5
+        assert beyond(about[~inside]).min() >= 0.0
+        far = (about @ hull[:, :3].T + hull[:, 3]).max(axis=1)
+        assert (beyond(about) >= np.minimum(far, 1.0) - 6e-5).all()
 
 
 def test_sheets_and_scraps_become_thin_pieces() -> None:

@@ -16,7 +16,7 @@ from .winding import encloses
 
 _SURE = 5e-5  # what three samples' triangles say of less is let be [m]
 _NEAREST = 64  # samples, where they say more
-_STRAIGHT = 0.99  # cosine of the angle to a triangle's normal
+_STRAIGHT = 1.0 - 1e-9  # cosine to a triangle's normal; over an edge of it is less
 _SPACING = 4e-3  # of places along each triangle [m]
 _FAR = 5e-4  # from where all triangles are asked [m]
 _PAIRS = 2_000_000  # of places and triangles at a time
@@ -64,15 +64,17 @@ class Beyond:
         away = (repeated - closest).reshape(-1, nearest, 3)
         distance = np.linalg.norm(away, axis=2)
         found = self._nearer(places, distance.min(axis=1))
-        # Straight over or under the nearest triangle the side is certain.
+        # Straight under the nearest triangle a place is inside; far over it, it may be under a
+        # surface that runs on inside the body.
         rows, nearest = np.arange(len(places)), distance.argmin(axis=1)
         own = owners[rows, nearest]
         over = np.einsum("ni,ni->n", away[rows, nearest], self._normals[own]) * self._outward[own]
-        least = _STRAIGHT * found
-        inside = over < -least
+        straight = np.abs(over) > _STRAIGHT * found
+        straight &= distance[rows, nearest] <= found  # else another triangle is nearer
+        inside = straight & (over < 0)
         doubtful = np.logical_not(inside)
         if len(self.parts) == 1:  # else it may be inside another one
-            doubtful &= over <= least
+            doubtful &= np.logical_not(straight & (found < _FAR))
         found[inside] = 0.0
         found[doubtful] *= np.logical_not(self._encloses(places[doubtful]))
         return np.asarray(found)

@@ -15,7 +15,7 @@ from .solid import areas, spread
 
 TOLERANCE = 1e-3  # how far a piece may stand beyond its link [m]
 MOST_PIECES = 120  # of a link
-_STRICT = 0.8  # of the tolerance, for pieces that are measured again more finely
+_STRICT = (0.8, 0.6, 0.4)  # of the tolerance, for pieces that are measured again
 _SPACING = 2e-3  # of the points that a piece is measured at [m]
 _FEWEST, _MOST = 1000, 20_000  # of them
 _SKIN = 1e-5
@@ -59,13 +59,31 @@ def fit_pieces(link: str, triangles: FloatArray, tolerance: float = TOLERANCE) -
         if whole is not None and whole.tolerance <= tolerance:
             pieces.append(whole)
         else:
-            for corners in convex_cover(part, beyond, _STRICT * tolerance):
-                piece = _piece(link, corners, beyond) or _piece(link, _thick(corners), beyond)
-                if piece is None:
-                    return []
-                pieces.append(piece)
+            found = _covering(link, part, beyond, tolerance)
+            if not found:
+                return []
+            pieces += found
     pieces = _needed(pieces)
     return pieces if len(pieces) <= MOST_PIECES else []
+
+
+def _covering(link: str, part: FloatArray, beyond: Beyond, tolerance: float) -> list[Piece]:
+    """Pieces that cover a part; none if one is too thin for a hull.
+
+    Their faces are measured at other places than while they were made: where one then stands out
+    farther, all are made again by less.
+    """
+    pieces: list[Piece] = []
+    for share in _STRICT:
+        pieces = []
+        for corners in convex_cover(part, beyond, share * tolerance):
+            piece = _piece(link, corners, beyond) or _piece(link, _thick(corners), beyond)
+            if piece is None:
+                return []
+            pieces.append(piece)
+        if all(piece.tolerance <= tolerance for piece in pieces):
+            break
+    return pieces
 
 
 def _piece(link: str, points: FloatArray, beyond: Beyond) -> Piece | None:
