@@ -8,9 +8,10 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress
 
-from .messages import err, tell
+from .messages import tell
+from .story import share_bar
 
 if TYPE_CHECKING:
     from pdoik.occupancy_fit import LinkNews
@@ -57,13 +58,5 @@ class FitStory:
 @contextmanager
 def fit_story() -> Iterator[FitStory]:
     """To give to a fit; the bar vanishes at the end."""
-    with Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        console=err,
-        transient=True,
-        disable=not err.is_terminal,
-    ) as bar:
+    with share_bar() as bar:
         yield FitStory(bar)

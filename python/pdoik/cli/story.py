@@ -13,10 +13,9 @@ from .messages import err
 Tell = Callable[[str, str, float], None]
 
 
-@contextmanager
-def story(*, quiet: bool = False) -> Iterator[Tell]:
-    """A bar, and above it what was found out so far, line by line; without these if `quiet`."""
-    with Progress(
+def share_bar() -> Progress:
+    """Of the share of work that is done; only on a terminal, and it vanishes at the end."""
+    return Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         TaskProgressColumn(),
@@ -24,7 +23,13 @@ def story(*, quiet: bool = False) -> Iterator[Tell]:
         console=err,
         transient=True,
         disable=not err.is_terminal,
-    ) as progress:
+    )
+
+
+@contextmanager
+def story(*, quiet: bool = False) -> Iterator[Tell]:
+    """A bar, and above it what was found out so far, line by line; without these if `quiet`."""
+    with share_bar() as progress:
         task = progress.add_task("", total=1.0)
 
         def tell(stage: str, text: str, fraction: float) -> None:

@@ -28,15 +28,13 @@ class Beyond:
 
     def __init__(self, triangles: FloatArray) -> None:
         self.solid = Solid.of(triangles)
-        self.parts = connected(triangles)
         edges = triangles[:, 1:] - triangles[:, :1]
         normals = np.cross(edges[:, 0], edges[:, 1])
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = normals / np.maximum(length, np.finfo(float).tiny)
-        self._outward = np.empty(len(triangles))
         of = labels(triangles)
-        for label, part in zip(np.unique(of), self.parts, strict=True):
-            self._outward[of == label] = outward(part)
+        self.parts = [triangles[of == label] for label in np.unique(of)]
+        self._outward = np.array([outward(part) for part in self.parts])[of]
         self._middles = triangles.mean(axis=1)
         self._radii = np.linalg.norm(triangles - self._middles[:, None], axis=2).max(axis=1)
         lines, owners = _along(triangles)
@@ -109,12 +107,6 @@ def _along(triangles: FloatArray) -> tuple[FloatArray, NDArray[np.int_]]:
     number = np.arange(len(owners)) - np.repeat(np.cumsum(count) - count, count)
     share = ((number + 0.5) / count[owners])[:, None]
     return foot[owners] + share * (tip - foot)[owners], owners
-
-
-def connected(triangles: FloatArray) -> list[FloatArray]:
-    """Parts of a surface that share no vertex, each (T, 3, 3)."""
-    of = labels(triangles)
-    return [triangles[of == label] for label in np.unique(of)]
 
 
 def outward(part: FloatArray) -> float:

@@ -87,9 +87,9 @@ def _spared(
     """
     spared = np.ones(len(first), dtype=bool)
     random = np.random.default_rng(0)
-    for at in far[:_CUTS]:
-        if not len(far) or not (far == at).all(axis=1).any():
-            continue
+    far = far[:_CUTS]
+    while len(far):
+        at = far[0]
         normals = _SPHERE
         away = (points - at).astype(np.float32)
         for turn in (0.3, 0.1, 0.03, None):

@@ -124,11 +124,11 @@ def read_matrix(
         what = f"{len(by_default)} default_entry_names, {len(values)} default_entry_values"
         raise EntryError(file, what, at)
     pairs = zip(by_default, values, strict=True)
-    defaults = {_name(name, objects): _is_true(value) for name, value in pairs}
-    known = {name: may for name, may in defaults.items() if not is_pattern(name) or name in objects}
-    rules = [_rule(name, "*", may=True) for name, may in known.items() if may]
+    named = {_name(name, objects): _is_true(value) for name, value in pairs}
+    defaults = {name: may for name, may in named.items() if _is_exact(name, objects)}
+    rules = [_rule(name, "*", may=True) for name, may in defaults.items() if may]
     if rules:
-        rules += [_rule(name, "*", may=False) for name, may in known.items() if not may]
+        rules += [_rule(name, "*", may=False) for name, may in defaults.items() if not may]
     entries: dict[tuple[str, str], bool] = {}
     for first, row in zip(names, rows, strict=True):
         enabled = row.get("enabled", []) if isinstance(row, Mapping) else row
@@ -140,7 +140,7 @@ def read_matrix(
             pair = pair if pair[::-1] not in entries else pair[::-1]
             entries[pair] = entries.get(pair, False) or _is_true(value)
     for pair, may in entries.items():
-        if any(is_pattern(name) and name not in objects for name in pair):
+        if not all(_is_exact(name, objects) for name in pair):
             continue
         # What is checked says nothing new, but where a default lets it touch.
         if may or any(defaults.get(name, False) for name in pair):
@@ -152,6 +152,11 @@ def _name(name: Any, objects: Collection[str]) -> str:
     """As rules have it: MoveIt's octomap is a shape if the scene has it, or else all points."""
     is_points = str(name) == moveit_octomap.NAME and str(name) not in objects
     return "points" if is_points else str(name)
+
+
+def _is_exact(name: str, objects: Collection[str]) -> bool:
+    """Whether a rule of it is of that name alone, and not of all that are like it."""
+    return name in objects or not is_pattern(name)
 
 
 def _is_true(value: Any) -> bool:
