@@ -48,16 +48,12 @@ bool is_from(const Robot& robot, int body, int first) {
 /// The capsules of one link and the hulls that say where to look for them.
 class LinkCapsules {
  public:
-  /// @param forgiving  Whether they are thinner by their overhang.
-  LinkCapsules(const Robot& robot, int link, bool forgiving)
-      : body_(robot.body_of_link(link)),
-        T_body_link_(robot.T_body_link(link)),
-        forgiving_(forgiving) {}
+  LinkCapsules(const Robot& robot, int link)
+      : body_(robot.body_of_link(link)), T_body_link_(robot.T_body_link(link)) {}
 
   void add(const Capsule& capsule, int source) {
     ends_.push_back({T_body_link_ * capsule.a, T_body_link_ * capsule.b});
-    const double forgiven = forgiving_ ? std::min(capsule.overhang, 0.5 * capsule.radius) : 0.0;
-    radii_.push_back(capsule.radius - forgiven);
+    radii_.push_back(capsule.radius);
     sources_.push_back(source);
   }
   int body() const { return body_; }
@@ -154,7 +150,6 @@ class LinkCapsules {
 
   int body_;
   Eigen::Isometry3d T_body_link_;
-  bool forgiving_;
   std::vector<std::array<Eigen::Vector3d, 2>> ends_;
   std::vector<double> radii_;
   std::vector<int> sources_;
@@ -169,13 +164,6 @@ bool ends_with(const Robot& robot, int body, int first) {
          std::none_of(tips.begin(), tips.end(), [&](int tip) {
            const int last = robot.body_of_link(tip);
            return last != first && is_from(robot, last, first);
-         });
-}
-
-bool is_placed_by_goal(const Robot& robot, int body) {
-  const auto& tips = robot.tips();
-  return body == 0 || std::any_of(tips.begin(), tips.end(), [&](int tip) {
-           return ends_with(robot, body, robot.body_of_link(tip));
          });
 }
 
@@ -237,15 +225,13 @@ std::pair<int, int> links_of_source(const Robot& robot, int place) {
   return both(capsule.link, capsule.link);
 }
 
-void HullModel::give_capsules(const Robot& robot, bool forgive_overhang, std::vector<Hull>& hulls) {
+void HullModel::give_capsules(const Robot& robot, std::vector<Hull>& hulls) {
   const Occupancy& occupancy = robot.occupancy();
   std::map<int, LinkCapsules> links;
   int source = static_cast<int>(occupancy.spheres.size() + occupancy.spheroids.size());
   for (const Capsule& capsule : occupancy.capsules) {
     const int link = robot.link_index(capsule.link);
-    const bool forgiving = forgive_overhang && !pieces->has(link) &&
-                           is_placed_by_goal(robot, robot.body_of_link(link));
-    links.try_emplace(link, robot, link, forgiving).first->second.add(capsule, source++);
+    links.try_emplace(link, robot, link).first->second.add(capsule, source++);
   }
   if (links.empty()) return;
   std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
@@ -309,7 +295,9 @@ void HullModel::give_pieces(int link, Hull& hull) {
       const Vec4 half = broadcast(0.5) * Vec4{block.vx[i], block.vy[i], block.vz[i], 0.0};
       const Vec4 middle = Vec4{block.ax[i], block.ay[i], block.az[i], 0.0} + half;
       const double radius = block.radius[i];
-      return pieces->solid(k).distance(middle, half, radius).distance < radius;
+      const Solid& solid = pieces->solid(k);
+      return solid.bound(middle, half, 0.0) < radius &&
+             solid.distance(middle, half, radius).distance < radius;
     };
     for (int n = 0; n < 4 * hull.blocks; ++n) {
       const CapsuleBlock& block = capsules(hull)[n / 4];
@@ -322,7 +310,7 @@ void HullModel::give_pieces(int link, Hull& hull) {
   }
 }
 
-HullModel::HullModel(const Robot& robot, bool with_fixed, bool forgive_overhang, bool with_pieces) {
+HullModel::HullModel(const Robot& robot, bool with_fixed, bool with_pieces) {
   if (with_pieces) pieces = std::make_shared<LinkPieces>(robot);
   std::vector<Hull> hulls;
   const auto attach = [&](const std::string& link, const Eigen::Vector3d& xyz) {
@@ -348,7 +336,7 @@ HullModel::HullModel(const Robot& robot, bool with_fixed, bool forgive_overhang,
       hull.rigid = moves_with(robot, *this, hull, body);
   }
 
-  give_capsules(robot, forgive_overhang, hulls);
+  give_capsules(robot, hulls);
   for (const Hull& hull : hulls) {
     const bool stays = points[static_cast<std::size_t>(hull.a)].body == 0 &&
                        points[static_cast<std::size_t>(hull.b)].body == 0 && hull.body == 0;

@@ -78,7 +78,6 @@ Judge::Judge(const Robot& robot, const Options& options, const HullModel& hulls,
   for (CollisionState* state : {&collision_, &fixed_hulls_})
     state->reserve(static_cast<int>(CollisionState::kChunk), CollisionState::kChunk);
   if (options.keeps_off_itself(robot)) by_pairs_.self.emplace(robot, whole, options.self_clearance);
-  if (options.forgive_overhang) forgiven_.emplace(robot, options);
 }
 
 void Judge::judge_goal(const Goal& goal, Verdict& verdict, Result& result) const {
@@ -186,7 +185,6 @@ void Judge::hold(const Scene& scene) {
   };
   hold(by_pairs_, scene.pairs().held);
   if (scene.has_own_clearances()) hold(plain_, scene.plain_pairs().held);
-  if (forgiven_) forgiven_->hold(scene);
 }
 
 void Judge::keep_off_itself(const Scene& scene) {
@@ -273,8 +271,6 @@ void Judge::operator()(std::span<const Goal> goals, const Eigen::VectorXd& q, co
   }
   result.clearance = least.obstacles;
   result.self_distance = least.self;
-  result.forgiven =
-      forgiven_ && somewhere ? forgiven_->deepest(T_base_body_, scene) : WorstConstraint{};
 }
 
 }  // namespace pdoik::detail

@@ -1,6 +1,8 @@
 #include "detail/link_pieces.hpp"
 
 #include <cmath>
+#include <set>
+#include <string>
 
 namespace pdoik::detail {
 namespace {
@@ -14,7 +16,19 @@ Solid in_body(const Robot& robot, const ConvexPiece& piece) {
                                   piece.vertices, piece.triangles));
 }
 
+Solid in_body(const Robot& robot, const Capsule& capsule) {
+  const Eigen::Isometry3d& T = robot.T_body_link(robot.link_index(capsule.link));
+  const Eigen::Vector3d along = capsule.b - capsule.a, middle = 0.5 * (capsule.a + capsule.b);
+  if (along.isZero(0.0)) return Solid(Shape::sphere(capsule.link, T * middle, capsule.radius));
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), along);
+  return Solid(Shape::capsule(capsule.link, T * Eigen::Translation3d(middle) * turn, capsule.radius,
+                              along.norm()));
+}
+
 }  // namespace
+
+LinkPieces::Piece::Piece(const Robot& robot, const Capsule& capsule)
+    : solid(in_body(robot, capsule)), link(robot.link_index(capsule.link)) {}
 
 LinkPieces::Piece::Piece(const Robot& robot, const ConvexPiece& piece)
     : solid(in_body(robot, piece)), link(robot.link_index(piece.link)) {
@@ -43,7 +57,15 @@ LinkPieces::Piece::Piece(const Robot& robot, const ConvexPiece& piece)
 }
 
 LinkPieces::LinkPieces(const Robot& robot) {
-  for (const ConvexPiece& piece : robot.occupancy().pieces) pieces_.emplace_back(robot, piece);
+  const Occupancy& occupancy = robot.occupancy();
+  if (occupancy.pieces.empty()) return;
+  std::set<std::string> in_pieces;
+  for (const ConvexPiece& piece : occupancy.pieces) {
+    pieces_.emplace_back(robot, piece);
+    in_pieces.insert(piece.link);
+  }
+  for (const Capsule& capsule : occupancy.capsules)
+    if (!in_pieces.contains(capsule.link)) pieces_.emplace_back(robot, capsule);
 }
 
 SolidDistance LinkPieces::distance(std::span<const int> some, const Vec4& p, double than) const {
@@ -52,6 +74,11 @@ SolidDistance LinkPieces::distance(std::span<const int> some, const Vec4& p, dou
   for (const int k : some) {
     const Piece& piece = this->piece(k);
     if (piece.solid.bound(p, 0.0) >= nearest.distance) continue;
+    if (piece.planes.empty()) {
+      const SolidDistance found = piece.solid.distance(p);
+      if (found.distance < nearest.distance) nearest = found;
+      continue;
+    }
     // No point of a convex solid is nearer than the plane of any face that looks at it.
     double above = -std::numeric_limits<double>::infinity();
     int face = 0;

@@ -81,8 +81,8 @@ std::ptrdiff_t dimensions(const Goal& goal, bool whole) {
 Model::Model(const Robot& robot_in, const Options& options_in)
     : robot(robot_in),
       options(options_in.sized_for(robot)),
-      hulls(robot, options.base_collision, options.forgive_overhang, options.exact_contact),
-      whole(options.keeps_off_itself(robot) ? HullModel(robot, true, false, options.exact_contact)
+      hulls(robot, options.base_collision, options.exact_contact),
+      whole(options.keeps_off_itself(robot) ? HullModel(robot, true, options.exact_contact)
                                             : HullModel()),
       matters(joints_that_matter(robot, hulls, options.balance.wanted())),
       turns(turns_of(robot)),

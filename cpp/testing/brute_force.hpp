@@ -67,48 +67,27 @@ inline bool has_capsules(const Robot& robot, const std::string& link) {
                      [&](const Capsule& capsule) { return capsule.link == link; });
 }
 
-/// The robot without its second level of hulls.
-inline Robot without_capsules(Robot robot) {
+/// The robot as its capsules have it, without pieces of its links.
+inline Robot without_pieces(Robot robot) {
   Occupancy occupancy = robot.occupancy();
-  occupancy.capsules.clear();
+  occupancy.pieces.clear();
   robot.set_occupancy(occupancy);
   return robot;
 }
 
-/// Whether a link stands still, or moves with a tip or by joints that move no tip: then no answer
-/// takes it out of an obstacle. By forward kinematics of configurations that differ in one joint.
-inline bool is_placed_by_goal(const Robot& robot, const std::string& link) {
-  const auto moves = [&](const std::string& what, Eigen::Index joint) {
-    const Eigen::VectorXd q = robot.mid_configuration();
-    Eigen::VectorXd other = q;
-    other[joint] += 0.1;
-    return !robot.fk(q, what).isApprox(robot.fk(other, what), 1e-12);
-  };
-  std::vector<Eigen::Index> movers;
-  for (Eigen::Index joint = 0; joint < robot.dof(); ++joint)
-    if (moves(link, joint)) movers.push_back(joint);
-  if (movers.empty()) return true;
-  return std::any_of(robot.tips().begin(), robot.tips().end(), [&](int tip) {
-    const std::string& name = robot.link_names()[static_cast<std::size_t>(tip)];
-    for (Eigen::Index joint = 0; joint < robot.dof(); ++joint)
-      if (moves(name, joint) && std::find(movers.begin(), movers.end(), joint) == movers.end())
-        return false;  // the tip comes later
-    return std::all_of(movers.begin(), movers.end(), [&](Eigen::Index joint) {
-      if (moves(name, joint)) return true;
-      return std::none_of(robot.tips().begin(), robot.tips().end(), [&](int other) {
-        return moves(robot.link_names()[static_cast<std::size_t>(other)], joint);
-      });
-    });
-  });
+/// The robot without its second and third level of hulls.
+inline Robot without_capsules(Robot robot) {
+  Occupancy occupancy = robot.occupancy();
+  occupancy.capsules.clear();
+  occupancy.pieces.clear();
+  robot.set_occupancy(occupancy);
+  return robot;
 }
 
 /// The least distance of any obstacle (rows x y z or x y z radius) to any hull, by Robot::fk.
-/// @param forgiving  Whether capsules are thinner by their overhang where no answer moves them, by
-/// half at most.
 template <class Obstacles>
 double brute_force_clearance(const Robot& robot, const Eigen::VectorXd& q,
-                             const Obstacles& obstacles, int samples = 400,
-                             bool forgiving = false) {
+                             const Obstacles& obstacles, int samples = 400) {
   double least = std::numeric_limits<double>::infinity();
   const auto for_obstacles = [&](auto&& distance) {
     for (Eigen::Index j = 0; j < obstacles.rows(); ++j) {
@@ -118,13 +97,9 @@ double brute_force_clearance(const Robot& robot, const Eigen::VectorXd& q,
   };
   for (const Capsule& capsule : robot.occupancy().capsules) {
     const Eigen::Isometry3d T = robot.fk(q, capsule.link);
-    const double forgiven =
-        forgiving && capsule.overhang > 0.0 && is_placed_by_goal(robot, capsule.link)
-            ? std::min(capsule.overhang, 0.5 * capsule.radius)
-            : 0.0;
     for_obstacles([&](const Eigen::Vector3d& o, double radius) {
-      return brute_force_segment_distance(o, T * capsule.a, T * capsule.b) - capsule.radius +
-             forgiven - radius;
+      return brute_force_segment_distance(o, T * capsule.a, T * capsule.b) - capsule.radius -
+             radius;
     });
   }
   for (const Sphere& sphere : robot.occupancy().spheres) {

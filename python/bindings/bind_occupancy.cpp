@@ -132,7 +132,7 @@ An occupancy does not change.)")
         semi-major axis [m].
     capsules: Tuples (link, xyz_a, xyz_b, radius) or (link, xyz_a, xyz_b, radius, overhang): the segment's
         ends in the link's frame and radius [m]; and how far its surface stands beyond the link itself at
-        most, 0 where nobody knows [m] (see Options.forgive_overhang).
+        most, 0 where nobody knows [m].
     pieces: Tuples (link, vertices, triangles, tolerance) of links that have capsules: vertices (N, 3) in
         the link's frame [m], triangles (T, 3) of a closed and convex surface, counter-clockwise from
         outside; by how much the link's pieces stand beyond it at most [m].

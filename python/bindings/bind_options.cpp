@@ -118,7 +118,6 @@ void bind_options(py::module_& module) {
       .def_readwrite("seed", &Options::seed)
       .def_readwrite("base_collision", &Options::base_collision)
       .def_readwrite("exact_contact", &Options::exact_contact)
-      .def_readwrite("forgive_overhang", &Options::forgive_overhang)
       .def_readwrite("ignore_obstacles_without_hulls", &Options::ignore_obstacles_without_hulls)
       .def_readwrite("touch", &Options::touch)
       .def_readwrite("balance", &Options::balance)

@@ -41,20 +41,12 @@ RowMatrix configurations(const BatchResult& batch) {
   return q;
 }
 
-/// What was passed over, if anything was.
-std::string forgiven_text(const NamedResult& r) {
-  if (r.forgiven_contact.empty()) return "";
-  return py::str("forgiven={} by {:.3g} mm, ")
-      .format(r.forgiven_contact, 1e3 * r.forgiven.violation);
-}
-
 std::string repr(const NamedResult& r) {
   return py::str(
              "<Result {}: position_error={:.3g} m, rotation_error={:.3g} rad, clearance={:.3g} m, "
-             "worst={}, {}"
-             "iterations={}, restarts={}, time={:.3g} ms>")
+             "worst={}, iterations={}, restarts={}, time={:.3g} ms>")
       .format(to_string(r.status), r.position_error, r.rotation_error, r.clearance,
-              r.worst_constraint, forgiven_text(r), r.iterations, r.restarts, 1e3 * r.time);
+              r.worst_constraint, r.iterations, r.restarts, 1e3 * r.time);
 }
 
 std::string batch_repr(const BatchResult& batch) {
@@ -68,11 +60,11 @@ AnyTuple result_state(const NamedResult& r) {
                         r.rotation_error, r.clearance, r.limit_violation, r.worst.violation,
                         r.worst_constraint, r.iterations, r.evaluations, r.restarts, r.time,
                         r.center_of_mass, r.balance_violation, r.self_distance, r.intake,
-                        r.late_evaluations, r.forgiven_contact, r.forgiven.violation, r.goal_index,
-                        r.holds, r.message, r.room, r.self_room);
+                        r.late_evaluations, r.goal_index, r.holds, r.message, r.room, r.self_room);
 }
 
 NamedResult from_state(const AnyTuple& t) {
+  if (t.size() != 23) throw py::value_error("a Result that another version of pdoik pickled");
   NamedResult r;
   r.q = t[0].cast<Eigen::VectorXd>();
   r.success = t[1].cast<bool>();
@@ -92,15 +84,11 @@ NamedResult from_state(const AnyTuple& t) {
   r.self_distance = t[15].cast<double>();
   r.intake = t[16].cast<double>();
   r.late_evaluations = t[17].cast<int>();
-  r.forgiven_contact = t[18].cast<std::string>();
-  r.forgiven.violation = t[19].cast<double>();
-  if (t.size() < 23) return r;  // of before there were any
-  r.goal_index = t[20].cast<int>();
-  r.holds = t[21].cast<bool>();
-  r.message = t[22].cast<std::string>();
-  if (t.size() < 25) return r;
-  r.room = t[23].cast<double>();
-  r.self_room = t[24].cast<double>();
+  r.goal_index = t[18].cast<int>();
+  r.holds = t[19].cast<bool>();
+  r.message = t[20].cast<std::string>();
+  r.room = t[21].cast<double>();
+  r.self_room = t[22].cast<double>();
   return r;
 }
 
@@ -177,15 +165,6 @@ the first, q is the best found.)")
           "worst_violation", [](const R& r) { return r.worst.violation; },
           "By how much the worst constraint is missed beyond its tolerance, at most 0 if it holds "
           "[m] or [rad].")
-      .def_readonly("forgiven_contact", &R::forgiven_contact,
-                    "What Options.forgive_overhang passes over: the deepest contact of the "
-                    "capsules that it counts as thinner, if these are taken whole. '' if none "
-                    "touches anything, and wherever nothing is forgiven.")
-      .def_property_readonly(
-          "forgiven_depth", [](const R& r) { return r.forgiven.violation; },
-          "How deep that is, beyond its tolerance, 0 if there is none: a success may be wrong by "
-          "as "
-          "much [m].")
       .def_readonly("iterations", &R::iterations, "Of the inner minimisers, in all.")
       .def_readonly("evaluations", &R::evaluations, "Forward kinematics computed, in all.")
       .def_readonly("restarts", &R::restarts, "Starts beyond the first.")
@@ -258,16 +237,6 @@ A column is a new array each time it is asked for.)")
             return column<double>(b, [](const R& r) { return r.worst.violation; });
           },
           "Shape (B,) [rad] or [m].")
-      .def_property_readonly(
-          "forgiven_contact",
-          [](const B& b) { return str_column(b, [](const R& r) { return r.forgiven_contact; }); },
-          "Shape (B,).")
-      .def_property_readonly(
-          "forgiven_depth",
-          [](const B& b) {
-            return column<double>(b, [](const R& r) { return r.forgiven.violation; });
-          },
-          "Shape (B,) [m].")
       .def_property_readonly(
           "iterations",
           [](const B& b) { return column<int>(b, [](const R& r) { return r.iterations; }); },

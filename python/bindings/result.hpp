@@ -12,7 +12,6 @@ namespace pdoik::python {
 /// A result and the names of its constraints, which take a solver or a tracker to tell.
 struct NamedResult : Result {
   std::string worst_constraint;
-  std::string forgiven_contact;  ///< empty if there is none
   std::string message;
   std::optional<Derivatives> derivatives;  ///< where they were asked for
 };
@@ -21,13 +20,10 @@ struct NamedResult : Result {
 template <class Solves>
 void name_constraints(const Solves& by, NamedResult& result) {
   result.worst_constraint = by.describe(result.worst);
-  result.forgiven_contact = result.forgiven.kind == WorstConstraint::Kind::None
-                                ? std::string()
-                                : by.describe(result.forgiven);
 }
 
 inline NamedResult named(const Solver& solver, Result result) {
-  NamedResult named{std::move(result), {}, {}, {}, {}};
+  NamedResult named{std::move(result), {}, {}, {}};
   name_constraints(solver, named);
   return named;
 }

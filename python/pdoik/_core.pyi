@@ -51,7 +51,7 @@ class Occupancy:
                 semi-major axis [m].
             capsules: Tuples (link, xyz_a, xyz_b, radius) or (link, xyz_a, xyz_b, radius, overhang): the segment's
                 ends in the link's frame and radius [m]; and how far its surface stands beyond the link itself at
-                most, 0 where nobody knows [m] (see Options.forgive_overhang).
+                most, 0 where nobody knows [m].
             pieces: Tuples (link, vertices, triangles, tolerance) of links that have capsules: vertices (N, 3) in
                 the link's frame [m], triangles (T, 3) of a closed and convex surface, counter-clockwise from
                 outside; by how much the link's pieces stand beyond it at most [m].
@@ -1153,7 +1153,6 @@ class Options:
     balance: BalanceOptions
     base_collision: bool
     exact_contact: bool
-    forgive_overhang: bool
     goal: str
     ignore_obstacles_without_hulls: bool
     inner: str
@@ -1454,16 +1453,6 @@ class Result:
         Forward kinematics computed, in all.
         """
     @property
-    def forgiven_contact(self) -> str:
-        """
-        What Options.forgive_overhang passes over: the deepest contact of the capsules that it counts as thinner, if these are taken whole. '' if none touches anything, and wherever nothing is forgiven.
-        """
-    @property
-    def forgiven_depth(self) -> float:
-        """
-        How deep that is, beyond its tolerance, 0 if there is none: a success may be wrong by as much [m].
-        """
-    @property
     def goal_index(self) -> int:
         """
         Which of the goals of `solve_any` it meets, or comes nearest to.
@@ -1665,16 +1654,6 @@ class BatchResult:
     def evaluations(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         Shape (B,).
-        """
-    @property
-    def forgiven_contact(self) -> numpy.typing.NDArray[numpy.str_]:
-        """
-        Shape (B,).
-        """
-    @property
-    def forgiven_depth(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Shape (B,) [m].
         """
     @property
     def iterations(self) -> numpy.typing.NDArray[numpy.int32]:

@@ -194,13 +194,6 @@ class Options:
         exact_contact: Whether a link's own pieces decide where its capsules touch something, so
             that `success` is true of the link to their tolerance (see Occupancy.pieces); else
             capsules decide.
-        forgive_overhang: Whether only certain contact counts of what no answer can move: of links
-            whose place the target decides (a tip's and what comes after it) and of those that no
-            joint moves. Their capsules then count as thinner by their overhang, so that a hand
-            may be at an object and a base on its table by as much as its hull cannot tell; never
-            by more than half their radius. A success may then touch by as much:
-            Result.forgiven_contact says what does, and forgiven_depth how deep. Links with pieces
-            need none of this, and nothing of them is forgiven (see exact_contact).
         ignore_obstacles_without_hulls: Whether a robot that has no hulls may be among obstacles,
             and carry something: but for what it carries nothing of it then keeps off anything.
             Else what takes obstacles raises ValueError for such a robot, and steps of a Tracker
@@ -257,7 +250,6 @@ class Options:
 
     base_collision: bool = _DEFAULT.base_collision
     exact_contact: bool = _DEFAULT.exact_contact
-    forgive_overhang: bool = _DEFAULT.forgive_overhang
     ignore_obstacles_without_hulls: bool = _DEFAULT.ignore_obstacles_without_hulls
 
     touch: Touch = Touch()

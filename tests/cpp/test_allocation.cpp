@@ -150,16 +150,6 @@ TEST(Allocation, a_solve_after_set_up_allocates_nothing_whatever_the_method_goal
   }
 }
 
-TEST(Allocation, naming_what_is_forgiven_allocates_nothing) {
-  for (const std::string& arm : arm_names()) {
-    SCOPED_TRACE(arm);
-    Options options = timeless();
-    options.forgive_overhang = true;
-    options.max_restarts = 5;
-    EXPECT_EQ(allocations_of_solves(Robot::builtin(arm), options, 30, 0.05), 0);
-  }
-}
-
 TEST(Allocation, a_solve_of_a_robot_with_followers_slides_and_turns_allocates_nothing) {
   Random random(4);
   Robot robot =

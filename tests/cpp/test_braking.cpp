@@ -176,7 +176,6 @@ TEST(Braking, what_stands_still_is_braked_before) {
     Random random(11);
     for (int trial = 0; trial < 4; ++trial) {
       Options options = timeless();
-      options.forgive_overhang = false;
       options.self_collision = false;
       Watched watched(robot, options, 8.0);
       const Eigen::VectorXd q = random_configuration(robot, random, 0.2),

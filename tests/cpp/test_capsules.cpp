@@ -283,6 +283,7 @@ TEST(Capsules, what_only_the_wide_hulls_touch_is_no_obstacle_and_answers_are_cle
   const Robot thin = thin_arm();
   Occupancy wide_hulls = thin.occupancy();
   wide_hulls.capsules.clear();
+  wide_hulls.pieces.clear();
   Robot wide = thin;
   wide.set_occupancy(wide_hulls);
   Solver by_capsules(thin, timeless()), by_hulls(wide, timeless());

@@ -97,7 +97,7 @@ TEST(Cloud, float32_points_are_taken_as_they_are_from_rows_with_gaps) {
 }
 
 TEST(Cloud, updates_and_removals_leave_the_points_and_distances_of_a_cloud_made_anew) {
-  const Robot robot = Robot::builtin("iiwa14");
+  const Robot robot = without_pieces(Robot::builtin("iiwa14"));
   for (const int count : {0, 500, 5000, 30000}) {
     SCOPED_TRACE(count);
     Random random(static_cast<std::uint64_t>(count) + 3);
@@ -174,7 +174,7 @@ TEST(Cloud, a_solver_sees_updates_of_the_cloud_that_it_was_given_and_names_point
 }
 
 TEST(Cloud, the_robots_own_surface_goes_and_nothing_else) {
-  const Robot robot = Robot::builtin("ur10");
+  const Robot robot = without_pieces(Robot::builtin("ur10"));
   Random random(5);
   for (const double padding : {0.0, 0.03}) {
     const Eigen::VectorXd q = random_configuration(robot, random);

@@ -392,8 +392,11 @@ TEST(Pieces, files_give_them_back_to_the_last_bit_and_nonsense_is_named) {
   EXPECT_TRUE(says(complaint([](Occupancy& o) { o.pieces[1].triangles.pop_back(); }), "pieces[1]"));
   EXPECT_TRUE(says(complaint([](Occupancy& o) { o.pieces[1].tolerance = -1.0; }), "tolerance"));
   EXPECT_TRUE(says(complaint([](Occupancy& o) { o.pieces[1].vertices[0] *= 0.1; }), "not convex"));
-  EXPECT_THROW(load_occupancy("pieces: [{link: a, vertices: [[0, 0]], triangles: []}]"), LoadError);
-  EXPECT_THROW(load_occupancy("pieces: [{link: a, vertices: [[0, 0, x]], triangles: []}]"),
+  for (const char* vertices : {"[[0, 0, 0]]", "0 0", "0 0 x", "0 0 nan", "0 0 1e999", "0,0 0 0"}) {
+    const std::string text = std::string("pieces:\n  - {link: a, vertices: ") + vertices;
+    EXPECT_THROW(load_occupancy(text + ", triangles: 0 0 0}\n"), LoadError) << vertices;
+  }
+  EXPECT_THROW(load_occupancy("pieces:\n  - {link: a, vertices: 0 0 0, triangles: 0 0 0.5}\n"),
                LoadError);
 }
 

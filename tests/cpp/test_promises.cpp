@@ -332,7 +332,7 @@ TEST(Promises, the_answer_of_a_failed_solve_by_lbfgs_gets_better_with_more_start
 }
 
 TEST(Promises, a_negative_clearance_lets_points_into_hulls_by_that_much_and_no_more) {
-  const Robot robot = Robot::builtin("panda");
+  const Robot robot = without_pieces(Robot::builtin("panda"));
   Options options = timeless();
   options.clearance = -0.02;
   int solved = 0, inside = 0;
@@ -402,7 +402,7 @@ TEST(Promises, numbers_that_make_no_sense_are_refused_by_name) {
 }
 
 TEST(Promises, copies_of_a_solver_share_its_cloud_and_none_changes_another_s) {
-  const Robot robot = Robot::builtin("panda");
+  const Robot robot = without_pieces(Robot::builtin("panda"));
   Random random(9);
   Solver one(robot);
   const ObstacleMatrix cloud = dense_cloud(9000), other = random_obstacles(random, 5, 1.0);

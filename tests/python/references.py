@@ -111,41 +111,6 @@ def spheroid_distance(points: Array, f1: Array, f2: Array, semi_major: float) ->
     return distance
 
 
-def judged_occupancy(robot: pdoik.Robot) -> pdoik.Occupancy:
-    """The hulls as `Options.forgive_overhang` has them: capsules that no answer moves are thinner.
-
-    That is of links that no joint moves, and of those that move with a tip or after it: told by
-    moving one joint after the other.
-    """
-    q = robot.mid_configuration()
-
-    def movers(link: str) -> set[int]:
-        moved = (q + 0.1 * np.eye(robot.dof)[k] for k in range(robot.dof))
-        at = robot.fk(q, link)
-        return {
-            k for k, other in enumerate(moved) if np.abs(robot.fk(other, link) - at).max() > 1e-9
-        }
-
-    of_tips = [movers(tip) for tip in robot.tip_links]
-    any_tip = set().union(*of_tips)
-
-    def is_placed(link: str) -> bool:
-        own = movers(link)
-        return not own or any(tip <= own and not (own - tip) & any_tip for tip in of_tips)
-
-    placed = {
-        link for link in {capsule[0] for capsule in robot.occupancy.capsules} if is_placed(link)
-    }
-    return pdoik.Occupancy(
-        spheres=robot.occupancy.spheres,
-        spheroids=robot.occupancy.spheroids,
-        capsules=[
-            (link, a, b, radius - min(overhang, radius / 2) * (link in placed))
-            for link, a, b, radius, overhang in robot.occupancy.capsules
-        ],
-    )
-
-
 def clearance(occupancy: pdoik.Occupancy, poses: dict[str, Array], obstacles: Array) -> float:
     """Least distance from an obstacle, less its radius, to a hull; poses are in the base frame.
 

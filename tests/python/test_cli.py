@@ -3,7 +3,6 @@
 import importlib.util
 import json
 import math
-import re
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -59,27 +58,6 @@ def test_a_target_in_an_obstacle_is_blocked_and_says_what_touches(tmp_path: Path
     assert outcome.stdout.startswith("not solved: every start ends in the same obstacle")
     assert "to obstacle 0" in outcome.stdout
     assert "try another target" in outcome.stdout
-
-
-def test_contact_within_an_overhang_is_forgiven_to_who_asks_and_said(tmp_path: Path) -> None:
-    scene = tmp_path / "table.yaml"
-    table = pdoik.Shape.half_space("table", (0, 0, 1), (0, 0, -0.005))  # close below the base
-    pdoik.save_scene(pdoik.Scene([table]), scene)
-    refused = solve("--scene", scene, target=REACHABLE)
-    assert refused.exit_code == 1
-    assert "try --forgive-overhang" in refused.stdout
-    assert "forgiven" not in refused.stdout
-    asked = solve("--scene", scene, "--forgive-overhang", target=REACHABLE)
-    assert asked.exit_code == 0
-    said = " ".join(asked.stdout.split())
-    assert re.search(
-        r"forgiven \S+ mm at most, clearance of panda_link0 \(capsule .* to table", said
-    )
-    facts = json.loads(
-        solve("--scene", scene, "--forgive-overhang", "--json", target=REACHABLE).stdout
-    )
-    assert facts["forgiven_contact"].endswith("to table")
-    assert 0.0 < facts["forgiven_depth"] < 0.015
 
 
 def test_links_are_kept_off_each_other_where_the_pairs_are_known(tmp_path: Path) -> None:

@@ -3,9 +3,9 @@
     python -m bench.ik.hulls.self_pairs --samples 5000
 
 Hulls fitted to meshes (`pdoik occupancy`) with the pairs of `pdoik pairs`, with and without the
-robot's SRDF, and the shipped hulls with the shipped pairs, without and with convex pieces of the
-links' meshes; coal on the published collision meshes
-is the judge, on configurations that the pairs were not found by.
+robot's SRDF, and the shipped hulls with the shipped pairs, with their pieces and by capsules alone;
+coal on the published collision meshes is the judge, on configurations that the pairs were not found
+by.
 """
 
 from collections.abc import Mapping
@@ -17,9 +17,8 @@ import typer
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.markdown import markdown_table
-from bench.ik.experiment import ARMS, Arm
-from bench.ik.hulls.pieces import with_pieces
-from bench.ik.judges.arm_meshes import arm_meshes
+from bench.ik.experiment import ARMS
+from bench.ik.hulls.tight import geometry
 from bench.ik.judges.meshes import self_judge
 from bench.ik.problems.hulls import fitted_robot
 from bench.ik.problems.robots import robot_files
@@ -49,19 +48,23 @@ def main(
             found = sample_pairs(robot, files.xml(), files.package_dirs, listed=given)
             robot.ignored_pairs = found.ignored
             rows += _judge(robot, meshes, samples, seed, [name, "fitted", f"{word}, sampled"])
-    for name in ARMS:
-        robot = pdoik.Robot.builtin(name)
-        meshes = arm_meshes(Arm.builtin(name))
-        rows += _judge(robot, meshes, samples, seed, [name, "shipped", "shipped"])
-        robot.occupancy = with_pieces(robot, meshes)
-        rows += _judge(robot, meshes, samples, seed, [name, "shipped, with pieces", "shipped"])
+    for name in (*ARMS, "h1"):
+        robot, meshes = pdoik.Robot.builtin(name), geometry(name)
+        for exact, words in ((False, "shipped, capsules alone"), (True, "shipped")):
+            rows += _judge(robot, meshes, samples, seed, [name, words, "shipped"], exact=exact)
     print(markdown_table(COLUMNS, rows))
 
 
 def _judge(
-    robot: pdoik.Robot, meshes: Mapping[str, FloatArray], samples: int, seed: int, words: list[str]
+    robot: pdoik.Robot,
+    meshes: Mapping[str, FloatArray],
+    samples: int,
+    seed: int,
+    words: list[str],
+    *,
+    exact: bool = True,
 ) -> list[list[str]]:
-    solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
+    solver = pdoik.Solver(robot, pdoik.Options(self_collision=True, exact_contact=exact))
     goals = {tip: np.eye(4) for tip in robot.tip_links}
     drawn = np.random.default_rng(seed).uniform(robot.lower, robot.upper, (samples, robot.dof))
     distance = np.array([solver.judge(goals, q).self_distance for q in drawn])

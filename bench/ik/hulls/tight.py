@@ -1,33 +1,36 @@
-"""Fit capsules to the shipped robots' published meshes, and measure how far they stick out.
+"""Fit capsules and pieces to the shipped robots' published meshes, and measure the capsules.
 
-python -m bench.ik.hulls.tight panda ur10 iiwa14 h1          measure the shipped files
-python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --fit    fit anew, write and measure
-python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --pairs  write which links may touch
+python -m bench.ik.hulls.tight panda ur10 iiwa14 h1           measure the shipped files
+python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --fit     fit anew, write and measure
+python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --pieces  make the pieces anew and write them
+python -m bench.ik.hulls.tight panda ur10 iiwa14 h1 --pairs   write which links may touch
 """
 
 import re
 import time
+from concurrent.futures import ProcessPoolExecutor
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
+import trimesh
 import typer
 import yaml
 
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.whole_files import write_text
-from bench.humanoid.hulls import circumscribed
+from bench.humanoid.hulls import circumscribed, turn_of_z
 from bench.ik.experiment import Arm
 from bench.ik.judges.arm_meshes import arm_meshes
-from pdoik.h1.shapes import SHAPES
+from pdoik.h1.shapes import SHAPES, Shape
 from pdoik.link_pairs import sample_pairs
-from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, fit_link
+from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, Piece, fit_link, fit_pieces
 from pdoik.occupancy_fit.hulls import MARGIN, tidy_point
 from pdoik.occupancy_fit.overhang import overhang
 from pdoik.occupancy_fit.segments import Capsules
-from pdoik.occupancy_fit.solid import Solid
+from pdoik.occupancy_fit.solid import Solid, spread
 
 Shipped = StrEnum("Shipped", ["panda", "ur10", "iiwa14", "h1"])
 FOLDER = Path(__file__).parents[3] / "cpp/robots"
@@ -45,6 +48,7 @@ HEADER = """\
 #
 #   link                 capsules    mean   worst
 """
+SIDES = 40  # of the prism around a cylinder
 LinkRow = tuple[str, int, float, float]  # capsules, mean and worst overhang [mm]
 
 
@@ -92,10 +96,57 @@ def measure(meshes: dict[str, FloatArray], capsules: list[Capsule]) -> list[Link
     return rows
 
 
-def write(name: str, capsules: list[Capsule], rows: list[LinkRow]) -> None:
-    """Put the list at the end of the robot's file, and its table at the end of the header."""
+def make_pieces(name: str, meshes: dict[str, FloatArray]) -> list[Piece]:
+    """Of every link that its capsules are not already, two links at a time."""
+    with ProcessPoolExecutor(2) as pool:
+        found = list(pool.map(_pieces_of, [name] * len(meshes), meshes, meshes.values()))
+    pieces = [piece for of_link in found for piece in of_link]
+    worst = max(piece.tolerance for piece in pieces)
+    print(f"{name}: {len(pieces)} pieces, {1e3 * worst:.2f} mm beyond their links at most")
+    return pieces
+
+
+def _pieces_of(name: str, link: str, mesh: FloatArray) -> list[Piece]:
+    if name != "h1":
+        return fit_pieces(link, mesh)
+    shapes = [shape for shape in SHAPES if shape.link == link]
+    if all(shape.kind != "cylinder" for shape in shapes):
+        return []
+    return [_around(shape) for shape in shapes]
+
+
+def _around(shape: Shape) -> Piece:
+    """A polytope of few corners around a capsule, a cylinder or a ball."""
+    a, b = np.array(shape.a), np.array(shape.b)
+    if shape.kind == "cylinder":
+        angles = 2 * np.pi * np.arange(SIDES) / SIDES
+        ring = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+        corners = shape.radius / np.cos(np.pi / SIDES) * ring @ turn_of_z(b - a).T
+    else:
+        ball = trimesh.creation.icosphere(subdivisions=2)
+        inner = np.einsum("fi,fi->f", ball.face_normals, ball.triangles[:, 0]).min()
+        corners = shape.radius / inner * ball.vertices
+    (piece,) = fit_pieces(
+        shape.link, trimesh.convex.convex_hull(np.concatenate([a + corners, b + corners])).triangles
+    )
+    surface = np.array(piece.vertices)[np.array(piece.triangles)]
+    out = shape.distance(spread(surface, 20_000)[0]).max()
+    return piece._replace(tolerance=round(float(out) + 5e-7, 6))
+
+
+def write_pieces(name: str, pieces: list[Piece]) -> None:
+    """Put them at the end of the robot's file."""
     path = FOLDER / f"{name}.occupancy.yaml"
-    text = re.sub(r"^capsules:\n(?:  - .*\n)*", "", path.read_text("utf-8"), flags=re.MULTILINE)
+    text = path.read_text("utf-8").partition("\npieces:\n")[0].rstrip("\n") + "\n"
+    report = FitReport(hulls=(), links=(), skipped=())
+    only = OccupancyFit(spheres=(), spheroids=(), capsules=(), pieces=tuple(pieces), report=report)
+    write_text(path, text + "pieces:\n" + only.to_yaml().partition("pieces:\n")[2])
+
+
+def write(name: str, capsules: list[Capsule], rows: list[LinkRow]) -> None:
+    """Put the list behind the wide hulls, without pieces, and its table at the header's end."""
+    path = FOLDER / f"{name}.occupancy.yaml"
+    text = re.sub(r"^capsules:\n(?:.*\n)*", "", path.read_text("utf-8"), flags=re.MULTILINE)
     text = re.sub(r"#\n# Capsules:(?:.*\n)*?(?=[a-z])", "", text)
     table = "".join(
         f"#   {link:<22}{n:>7}{mean:>8.2f}{worst:>8.1f}\n" for link, n, mean, worst in rows
@@ -121,6 +172,7 @@ def write_pairs(name: str, meshes: dict[str, FloatArray]) -> None:
 def main(
     robots: list[Shipped],
     anew: Annotated[bool, typer.Option("--fit", help="Fit anew and write the files.")] = False,
+    pieces: Annotated[bool, typer.Option("--pieces", help="Make pieces and write them.")] = False,
     pairs: Annotated[bool, typer.Option("--pairs", help="Write the SRDFs.")] = False,
 ) -> None:
     """Fit capsules to the shipped robots' published meshes, and measure how far they stick out."""
@@ -135,6 +187,8 @@ def main(
         rows = measure(meshes, capsules)
         if anew:
             write(name, capsules, rows)
+        if anew or pieces:
+            write_pieces(name, make_pieces(name, meshes))
         for link, n, mean, worst in rows:
             print(f"{link:<28}{n:>5}{mean:>8.2f}{worst:>8.1f}")
         print(f"{name}: {len(capsules)} capsules, {seconds:.0f} s of one processor", flush=True)

@@ -16,7 +16,6 @@ METHODS = {
     "PDO-IK, omega = 0": "ours:PdoIkFromZeroSlack",
     "pdoik": "ours:PdoikDefault",
     "pdoik, capsules": "ours:PdoikCapsules",
-    "pdoik, forgiving": "ours:PdoikForgiving",
     "pdoik, one start": "ours:PdoikOneStart",
     "pdoik, L-BFGS": "ours:PdoikLbfgs",
     "Angle-LBFGS-B": "scipy_lagrangian:AngleLbfgsB",

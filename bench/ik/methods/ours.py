@@ -65,13 +65,6 @@ class PdoikCapsules(PdoikDefault):
         return pdoik.Robot.builtin(arm.name)
 
 
-class PdoikForgiving(PdoikCapsules):
-    """The same with contact of tool and base forgiven within what their capsules overhang."""
-
-    name = "pdoik, forgiving"
-    changes: ClassVar = {**PdoikCapsules.changes, "forgive_overhang": True}
-
-
 class PdoikOneStart(PdoikDefault):
     """`max_restarts=0`: the answer nearest the start, or none."""
 

@@ -71,9 +71,6 @@ def run(
     spacing: Annotated[
         float, typer.Option(min=0.05, help="Of the points that clouds are made of, in mm.")
     ] = 1e3 * SPACING,
-    forgive_overhang: Annotated[
-        bool, typer.Option(help="Forgive contact within what hulls stand out; see pdoik.Options.")
-    ] = False,
     out: Annotated[Path, typer.Option(help="Folder of the results.")] = OUT,
 ) -> None:
     """Solve problem sets and judge every answer by meshes."""
@@ -105,14 +102,7 @@ def run(
                     task = progress.add_task(f"{name} {way}", total=len(problems))
                     done: dict[float, list[Trial]] = {seconds: [] for seconds in budgets}
                     for held, some in robots.groups(problems):
-                        answering = Method(
-                            way,
-                            held.robot,
-                            budgets,
-                            some[0],
-                            spacing / 1e3,
-                            forgive=forgive_overhang,
-                        )
+                        answering = Method(way, held.robot, budgets, some[0], spacing / 1e3)
                         trials = run_trials(
                             some, answering, held.judge, lambda task=task: progress.advance(task)
                         )
@@ -128,7 +118,7 @@ def run(
         out.mkdir(parents=True, exist_ok=True)
         stem = f"{files.name}-{'-'.join(sets)}"[:80]
         facts = {"provenance": provenance(BUILD.parent), "meshes": meshes}
-        text = {**facts, "hull_meshes": hull_meshes, "forgive": forgive_overhang, "rows": rows}
+        text = {**facts, "hull_meshes": hull_meshes, "rows": rows}
         write_text(out / f"{stem}.json", json.dumps(text, indent=1) + "\n")
         write_report(out / f"{stem}.md", table)
         print(table)

@@ -34,7 +34,6 @@ class Method:
             whether the tool has to. Of shapes it is said which the tool may touch; a cloud has no
             names, so what is near the target may be touched there.
         spacing: Of the points of a surface that clouds are made of [m].
-        forgive: Whether contact within a hull's overhang is forgiven, see pdoik.Options.
 
     Raises:
         MethodError: The way is unknown.
@@ -47,8 +46,6 @@ class Method:
         budgets: Sequence[float],
         like: Problem | None = None,
         spacing: float = SPACING,
-        *,
-        forgive: bool = False,
     ) -> None:
         if way not in WAYS:
             raise MethodError(f"method {way!r} is not one of {sorted(WAYS)}")
@@ -63,7 +60,6 @@ class Method:
             "balance": pdoik.Balance(contacts=contacts) if contacts else pdoik.Balance(),
             "touch": pdoik.Touch(radius=TOUCH if tool_touches and way != "shapes" else 0.0),
             "base_collision": robot.base_link not in may_touch,
-            "forgive_overhang": forgive,
         }
         self._solvers = {
             budget: pdoik.Solver(robot, pdoik.Options(max_time=budget, **options))

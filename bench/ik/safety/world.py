@@ -79,20 +79,14 @@ def pose_of(judge: Judge, q: FloatArray, link: str = "") -> FloatArray:
     return T
 
 
-def outer_radii(judge: Judge) -> FloatArray:
-    """Of its capsules as obstacles meet them, (H,) [m]."""
-    return np.asarray(judge.A - judge.forgiven * KEPT.forgive_overhang)
-
-
 def distances(judge: Judge, Q: FloatArray, world: World) -> tuple[FloatArray, FloatArray]:
     """From the robot to the world and to itself, in configurations (B, n), (B,) each [m]."""
     a, b = judge.hulls(judge.kinematics.place(Q))
     clear = judge.clearance(a, b, world.balls, KEPT)
     if world.boxes:
         p, q, radii = capsules(a, b, judge.A, judge.swept)
-        forgiven = judge.A - outer_radii(judge)
         for k, box in product(range(len(Q)), world.boxes):
-            clear[k] = min(clear[k], box_gap(p[k], q[k], radii[k] - forgiven, box))
+            clear[k] = min(clear[k], box_gap(p[k], q[k], radii[k], box))
     return clear, judge.self_distance(a, b)
 
 

@@ -47,7 +47,6 @@ class Asked:
     clearance: float = 0.0
     clearance_tolerance: float = 1e-6
     base_collision: bool = True
-    forgive_overhang: bool = False
     self_collision: bool = False
     self_clearance: float = 0.0
     balance: Mapping[str, Any] | None = None  # arguments of pdoik.Balance
@@ -112,8 +111,6 @@ class Judge:
         ]
         self.links = [(end[0], end[2]) for end in ends]
         self._probe()
-        over = np.array([0.0] * len(wide) + [capsule[4] for capsule in spec.capsules])
-        self.forgiven = np.where(self.placed_by_goal, np.minimum(over, self.A / 2), 0.0)
 
     def _probe(self) -> None:
         """Find out by random configurations what stands still or goes with a tip, and pairs."""
@@ -122,12 +119,6 @@ class Judge:
         a, b = (ends(placed) for ends in self._ends)
         moves = np.maximum(np.ptp(a, axis=0), np.ptp(b, axis=0)).max(axis=1, initial=0.0)
         self.fixed = moves < STILL
-        self.placed_by_goal = self.fixed.copy()
-        for tip in self.kinematics.spec.tip_links:
-            R, p = self.kinematics.link(placed, tip)
-            seen = [(end - p[:, None]) @ R for end in (a, b)]
-            spread = np.maximum(*(np.ptp(end, axis=0) for end in seen)).max(axis=1, initial=0.0)
-            self.placed_by_goal |= spread < STILL
         foci = np.concatenate([a, b], axis=1)
         levers = np.linalg.norm(foci[:, :, None] - placed.p[:, None], axis=-1)
         self._lever = max(1.0, 1.5 * levers.max(initial=0.0))
@@ -172,9 +163,9 @@ class Judge:
     def clearance(
         self, a: FloatArray, b: FloatArray, points: FloatArray, asked: Asked
     ) -> FloatArray:
-        """Of the hulls that count, with what is to be forgiven taken off them, (B,) [m]."""
+        """Of the hulls that count, (B,) [m]."""
         counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
-        radii = (self.A - self.forgiven * asked.forgive_overhang)[counted]
+        radii = self.A[counted]
         return clearance(a[:, counted], b[:, counted], radii, points, self.swept[counted])
 
     def travel(self, moved: FloatArray) -> FloatArray:

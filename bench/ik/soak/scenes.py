@@ -151,7 +151,6 @@ def draw_options(
     if not judge.kinematics.spec.rows and rng.random() < 0.2:
         q = random_configurations(judge.kinematics, 1, rng)[0] if about is None else about
         options["balance"] = draw_balance(judge, q, rng)
-    options["forgive_overhang"] = bool(rng.random() < 0.3)
     return options
 
 

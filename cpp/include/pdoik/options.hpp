@@ -103,14 +103,6 @@ struct Options {
   /// Whether a link's own pieces decide where its capsules touch something, so that `success` is
   /// true of the link to their tolerance (see Occupancy::pieces); else capsules decide.
   bool exact_contact = true;
-  /// Whether only certain contact counts of what no answer can move: of links whose place the
-  /// target decides (a tip's and what comes after it) and of those that no joint moves. Their
-  /// capsules then count as thinner by their overhang, so that a hand may be at an object and a
-  /// base on its table by as much as its hull cannot tell; never by more than half their radius.
-  /// Links with pieces need none of this, and nothing of them is forgiven (see exact_contact).
-  /// Off, since a success then promises less: it may touch by as much, and Result::forgiven says
-  /// what does.
-  bool forgive_overhang = false;
   /// Whether a robot that has no hulls may be among obstacles, and carry something: but for what it
   /// carries nothing of it then keeps off anything. Off: it is refused among them.
   bool ignore_obstacles_without_hulls = false;

@@ -96,15 +96,10 @@ struct Result {
   /// The same of what self_distance is of [m].
   double self_room = std::numeric_limits<double>::infinity();
   WorstConstraint worst;  ///< what is missed by most, or comes nearest to that
-  /// The deepest contact of the capsules that Options::forgive_overhang counts as thinner than they
-  /// are, if these are taken whole: of a kind with points or shapes, or HeldHull; None where there
-  /// is none, and wherever nothing is forgiven. Of a success it is what the success passes over,
-  /// and its violation by how much at most.
-  WorstConstraint forgiven;
-  int iterations = 0;   ///< of the inner minimisers
-  int evaluations = 0;  ///< rollouts
-  int restarts = 0;     ///< starts beyond the first
-  double time = 0.0;    ///< [s]
+  int iterations = 0;     ///< of the inner minimisers
+  int evaluations = 0;    ///< rollouts
+  int restarts = 0;       ///< starts beyond the first
+  double time = 0.0;      ///< [s]
   /// What taking the obstacles in took, the last time that they changed: it is in no budget and not
   /// in `time` [s].
   double intake = 0.0;

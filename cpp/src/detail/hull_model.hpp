@@ -56,10 +56,6 @@ bool is_carried_by(const Robot& robot, const AttachedPoint& point, int body);
 /// fingers.
 bool ends_with(const Robot& robot, int body, int first);
 
-/// Whether no answer moves a body: no joint does, or it belongs to a tip, which is where its target
-/// is, or to what comes after that, as fingers do.
-bool is_placed_by_goal(const Robot& robot, int body);
-
 struct HullModel;
 /// Whether all of a hull moves with a body.
 bool moves_with(const Robot& robot, const HullModel& model, const Hull& hull, int body);
@@ -75,12 +71,8 @@ std::pair<int, int> links_of_source(const Robot& robot, int source);
 /// apart.
 struct HullModel {
   /// @param with_fixed  Whether hulls that no joint moves are any.
-  /// @param forgive_overhang  Whether capsules of what no answer moves, because no joint does or
-  /// because its place is the target's, are thinner by their overhang, but by no more than half:
-  /// what touches them then touches the link. Not those of links with pieces.
   /// @param with_pieces  Whether links' own pieces count where there are any.
-  explicit HullModel(const Robot& robot, bool with_fixed = true, bool forgive_overhang = false,
-                     bool with_pieces = true);
+  explicit HullModel(const Robot& robot, bool with_fixed = true, bool with_pieces = true);
   /// None.
   HullModel() = default;
 
@@ -126,7 +118,7 @@ struct HullModel {
         b = a + Vec4{block.vx[lane], block.vy[lane], block.vz[lane], 0.0};
     return std::sqrt(std::max(dot3(a, a), dot3(b, b))) + block.radius[lane];
   }
-  void give_capsules(const Robot& robot, bool forgive_overhang, std::vector<Hull>& hulls);
+  void give_capsules(const Robot& robot, std::vector<Hull>& hulls);
   void give_pieces(int link, Hull& hull);
 };
 

@@ -8,7 +8,6 @@
 
 #include "detail/balance.hpp"
 #include "detail/collision_state.hpp"
-#include "detail/forgiven.hpp"
 #include "detail/held_clearance.hpp"
 #include "detail/scene.hpp"
 #include "detail/self_collision.hpp"
@@ -28,15 +27,13 @@ class Judge {
   void let_touch(const Touching* touching) {
     collision_.let_touch(touching);
     capsules_.let_touch(touching);
-    if (forgiven_) forgiven_->let_touch(touching);
   }
   /// What the robot holds in a scene, which outlives it: asked again whenever that changes.
   void hold(const Scene& scene);
   /// How far links are to keep off one another in a scene: asked again whenever that changes.
   void keep_off_itself(const Scene& scene);
 
-  /// Fills q, errors, clearance and room, limit violation, worst constraint, what was forgiven and
-  /// success.
+  /// Fills q, errors, clearance and room, limit violation, worst constraint and success.
   /// Allocates nothing when result.q has its size.
   /// @param look  Clearance beyond this, and room beyond as much, is told as this, or as what is
   /// wanted if that is more: to find how far the far is takes time [m].
@@ -79,8 +76,7 @@ class Judge {
   CollisionState collision_, fixed_hulls_;
   HullCapsules capsules_;
   Balance balance_;
-  Asked by_pairs_, plain_;                   ///< plain where some pair has a clearance of its own
-  std::optional<ForgivenContact> forgiven_;  ///< where any contact is
+  Asked by_pairs_, plain_;  ///< plain where some pair has a clearance of its own
 };
 
 }  // namespace pdoik::detail

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <span>
@@ -11,8 +10,8 @@
 
 namespace pdoik::detail {
 
-/// The convex pieces that links are made of, each in the frame of its link's body, numbered as in
-/// the occupancy.
+/// The convex pieces that links are made of, each in the frame of its link's body: those of the
+/// occupancy and, where it has any, the capsules of links that have none, which are what these are.
 class LinkPieces {
  public:
   /// None.
@@ -22,10 +21,6 @@ class LinkPieces {
   int count() const { return static_cast<int>(pieces_.size()); }
   const Solid& solid(int k) const { return piece(k).solid; }
   int link(int k) const { return piece(k).link; }
-  bool has(int link) const {
-    return std::any_of(pieces_.begin(), pieces_.end(),
-                       [&](const Piece& piece) { return piece.link == link; });
-  }
 
   /// The signed distance of a point from some of them together: from the one that it is nearest to,
   /// or deepest in; `than`, and no gradient, if none is nearer than that.
@@ -40,10 +35,11 @@ class LinkPieces {
   };
   struct Piece {
     Piece(const Robot& robot, const ConvexPiece& piece);
+    Piece(const Robot& robot, const Capsule& capsule);
 
     Solid solid;
     int link;
-    std::vector<Planes> planes;  ///< each once
+    std::vector<Planes> planes;  ///< each once; none of a capsule
   };
   const Piece& piece(int k) const { return pieces_[static_cast<std::size_t>(k)]; }
 

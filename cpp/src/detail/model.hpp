@@ -39,7 +39,7 @@ struct Model {
   Robot robot;
   Options options;
   HullModel hulls;
-  HullModel whole;  ///< of all links, nothing forgiven; empty unless the robot keeps off itself
+  HullModel whole;            ///< of all links; empty unless the robot keeps off itself
   std::vector<bool> matters;  ///< joints that move a tip or a hull
   enum class Turn { Limited, Whole, Wrap, Bound };
   std::vector<Turn> turns;

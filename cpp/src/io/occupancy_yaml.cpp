@@ -4,7 +4,10 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <locale>
 #include <set>
+#include <sstream>
+#include <utility>
 
 #include "io/utf8.hpp"
 #include "pdoik/errors.hpp"
@@ -62,16 +65,25 @@ class Entry {
     return point;
   }
 
+  /// Of a text of numbers, three by three.
+  template <class Number>
+  std::vector<std::array<Number, 3>> triples(const char* key) const {
+    constexpr const char* kExpected = "a text of numbers with spaces between, three by three";
+    std::istringstream text(get<std::string>(key, kExpected));
+    text.imbue(std::locale::classic());
+    std::vector<std::array<Number, 3>> triples;
+    std::array<Number, 3> three;
+    while (text >> three[0] >> three[1] >> three[2]) {
+      triples.push_back(three);
+      text >> std::ws;
+      if (text.eof()) return triples;
+    }
+    fail(std::string("'") + key + "' is not " + kExpected);
+  }
   std::vector<Eigen::Vector3d> points(const char* key) const {
     std::vector<Eigen::Vector3d> points;
-    for (const auto& p : get<std::vector<std::array<double, 3>>>(key, "a list of [x, y, z]")) {
-      points.emplace_back(p[0], p[1], p[2]);
-      if (!points.back().allFinite()) fail(std::string(key) + " are not all finite");
-    }
+    for (const auto& [x, y, z] : triples<double>(key)) points.emplace_back(x, y, z);
     return points;
-  }
-  std::vector<std::array<int, 3>> triples(const char* key) const {
-    return get<std::vector<std::array<int, 3>>>(key, "a list of [i, j, k]");
   }
 
  private:
@@ -163,10 +175,28 @@ Occupancy load_occupancy(const std::string& path_or_text) {
   for (std::size_t i = 0; root["pieces"] && i < root["pieces"].size(); ++i) {
     const Entry entry(root["pieces"][i], source + ": pieces[" + std::to_string(i) + "]");
     occupancy.pieces.push_back({entry.text("link"), entry.points("vertices"),
-                                entry.triples("triangles"), entry.length_or("tolerance", 0.0)});
+                                entry.triples<int>("triangles"),
+                                entry.length_or("tolerance", 0.0)});
   }
   return occupancy;
 }
+
+namespace {
+
+/// Numbers with spaces between, each of which reads back exactly.
+template <class Triples>
+std::string numbers(const Triples& triples) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(17);
+  const char* between = "";
+  for (const auto& triple : triples) {
+    for (const auto number : triple) text << std::exchange(between, " ") << number;
+  }
+  return text.str();
+}
+
+}  // namespace
 
 std::string to_yaml(const Occupancy& occupancy) {
   YAML::Emitter out;
@@ -208,13 +238,10 @@ std::string to_yaml(const Occupancy& occupancy) {
     for (const ConvexPiece& piece : occupancy.pieces) {
       out << YAML::Flow << YAML::BeginMap << YAML::Key << "link" << YAML::Value << piece.link
           << YAML::Key << "tolerance" << YAML::Value << piece.tolerance;
-      out << YAML::Key << "vertices" << YAML::Value << YAML::BeginSeq;
-      for (const Eigen::Vector3d& v : piece.vertices)
-        out << YAML::BeginSeq << v.x() << v.y() << v.z() << YAML::EndSeq;
-      out << YAML::EndSeq << YAML::Key << "triangles" << YAML::Value << YAML::BeginSeq;
-      for (const auto& [i, j, k] : piece.triangles)
-        out << YAML::BeginSeq << i << j << k << YAML::EndSeq;
-      out << YAML::EndSeq << YAML::EndMap;
+      out << YAML::Key << "vertices" << YAML::Value << YAML::DoubleQuoted
+          << numbers(piece.vertices);
+      out << YAML::Key << "triangles" << YAML::Value << YAML::DoubleQuoted
+          << numbers(piece.triangles) << YAML::EndMap;
     }
     out << YAML::EndSeq;
   }

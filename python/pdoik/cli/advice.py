@@ -48,10 +48,8 @@ def advice(solution: Solution) -> list[str]:
             )
         if options.goal in looser and solution.question.call == "solve" and is_bare:
             tips.append(looser[options.goal])
-    if result.status in {"base_collision", "blocked"} and not options.forgive_overhang:
-        tips.append(
-            "--forgive-overhang, if it touches by no more than its hulls stand beyond its links"
-        )
+    if result.status in {"base_collision", "blocked"} and not solution.robot.occupancy.pieces:
+        tips.append("hulls with pieces of the links themselves, which pdoik occupancy makes")
     if solution.obstacles is not None and result.status not in _NO_OBSTACLE:
         given = "--cloud" if solution.obstacles.scene is None else "--scene"
         tips.append(f"the same without {given}, which tells whether obstacles are in the way")

@@ -12,7 +12,7 @@ _FIGURES = (  # of a Result
     *("q", "success", "status", "message", "goal_index", "position_error", "rotation_error"),
     *("clearance", "center_of_mass", "balance_violation", "self_distance", "limit_violation"),
     *("room", "self_room"),
-    *("worst_constraint", "worst_violation", "forgiven_contact", "forgiven_depth"),
+    *("worst_constraint", "worst_violation"),
     *("dq_dT", "manipulability", "singular_distance"),
     *("iterations", "evaluations", "restarts", "intake", "late_evaluations", "time"),
 )

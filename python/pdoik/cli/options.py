@@ -90,13 +90,6 @@ Clearance = Annotated[
         help="Least distance wanted between points and hulls, metres.", rich_help_panel=OBSTACLES
     ),
 ]
-ForgiveOverhang = Annotated[
-    bool,
-    typer.Option(
-        help="Let the tool and the base touch by what their hulls stand out, 15 mm at most.",
-        rich_help_panel=OBSTACLES,
-    ),
-]
 BaseCollision = Annotated[
     bool,
     typer.Option(

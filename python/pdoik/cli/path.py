@@ -32,7 +32,6 @@ from .options import (
     BaseLink,
     Clearance,
     CloudFile,
-    ForgiveOverhang,
     HullsFile,
     Leaf,
     Locks,
@@ -104,7 +103,6 @@ def path(
     leaf: Leaf = 0.02,
     radii: Radii = True,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
-    forgive_overhang: ForgiveOverhang = _DEFAULTS.forgive_overhang,
     clearance: Clearance = _DEFAULTS.clearance,
     self_collision: SelfCollision = None,
     cost: Costs = None,
@@ -220,7 +218,6 @@ def path(
             rotation_tolerance=rotation_tolerance,
             clearance=clearance,
             base_collision=base_collision,
-            forgive_overhang=forgive_overhang,
             self_collision=self_collision,
             seed=seed,
         )

@@ -26,7 +26,6 @@ from .options import (
     BaseLink,
     Clearance,
     CloudFile,
-    ForgiveOverhang,
     HullsFile,
     Leaf,
     Locks,
@@ -107,7 +106,6 @@ def place(
     leaf: Leaf = 0.02,
     radii: Radii = True,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
-    forgive_overhang: ForgiveOverhang = _DEFAULTS.forgive_overhang,
     clearance: Clearance = _DEFAULTS.clearance,
     self_collision: SelfCollision = None,
     cost: Costs = None,
@@ -189,7 +187,6 @@ def place(
             rotation_tolerance=rotation_tolerance,
             clearance=clearance,
             base_collision=base_collision,
-            forgive_overhang=forgive_overhang,
             self_collision=self_collision,
             max_time=_STATION,
         )

@@ -109,8 +109,6 @@ def _errors(solution: Solution) -> Table:
     if math.isfinite(result.self_distance):
         add("between links", length_text(result.self_distance), "least distance of their hulls")
     add("tightest" if result.success else "worst", escape(result.worst_constraint))
-    if result.forgiven_contact:
-        add("forgiven", length_text(result.forgiven_depth), f"at most, {result.forgiven_contact}")
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, "
     add("time", time_text(result.time), effort + f"{result.restarts} restarts")
     return table

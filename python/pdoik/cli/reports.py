@@ -147,9 +147,6 @@ def _one(replay: pdoik.Replay) -> Table:
         known = "" if judged[name] is None else text(judged[name])
         table.add_row(name.replace("_", " "), text(was[name]), text(now[name]), known)
     table.add_row("worst", escape(was["worst_constraint"]), escape(now["worst_constraint"]), "")
-    if was.get("forgiven_contact") or now["forgiven_contact"]:
-        said = was.get("forgiven_contact", "")
-        table.add_row("forgiven", escape(said), escape(now["forgiven_contact"]), "")
     if replay.kind == "any":
         table.add_row("goal", str(was["goal_index"]), str(now["goal_index"]), "")
     table.add_row("restarts", str(was["restarts"]), str(now["restarts"]), "")

@@ -24,7 +24,6 @@ from .options import (
     BaseLink,
     Clearance,
     CloudFile,
-    ForgiveOverhang,
     Goal,
     GoalAxis,
     HullsFile,
@@ -108,7 +107,6 @@ def view(
     radii: Radii = True,
     clearance: Clearance = _DEFAULTS.clearance,
     base_collision: BaseCollision = _DEFAULTS.base_collision,
-    forgive_overhang: ForgiveOverhang = _DEFAULTS.forgive_overhang,
     replay: Annotated[
         Path | None,
         typer.Option(
@@ -209,7 +207,6 @@ def view(
             method=method,
             clearance=clearance,
             base_collision=base_collision,
-            forgive_overhang=forgive_overhang,
             max_time=max_time,
             self_collision=self_collision,
         )

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from .beyond import Beyond
 from .convex_cover import convex_cover
-from .hulls import DECIMALS, FloatArray, Point
+from .hulls import FloatArray, Point
 from .solid import areas, spread
 
 TOLERANCE = 1e-3  # how far a piece may stand beyond its link [m]
@@ -18,10 +18,10 @@ MOST_PIECES = 120  # of a link
 _STRICT = (0.8, 0.6, 0.4)  # of the tolerance, for pieces that are measured again
 _SPACING = 2e-3  # of the points that a piece is measured at [m]
 _FEWEST, _MOST = 1000, 20_000  # of them
-_SKIN = 1e-5
+_SKIN = 1.1e-5
 """By which a piece is thicker than its part [m]: a success may miss its clearance by a tenth of it,
-and no solver knows a distance better than to rounding."""
-_DIGITS = (DECIMALS, 7, 6)
+and rounding takes less than another."""
+_DIGITS = 6  # of its vertices [um]
 _THIN = 5e-3  # from its middle to its nearest face, a thin piece [m]
 
 
@@ -106,16 +106,14 @@ def _piece(link: str, points: FloatArray, beyond: Beyond) -> Piece | None:
 
 
 def _hull(points: FloatArray) -> Any:
-    """The hull of points, rounded as it takes to close it, by less than the skin; or None."""
-    for digits in _DIGITS:
-        try:
-            corners = points[ConvexHull(points).vertices].round(digits)
-            hull = trimesh.convex.convex_hull(corners)
-        except QhullError:
-            return None
-        if hull.is_watertight and hull.is_winding_consistent and hull.volume > 0.0:
-            return hull
-    return None
+    """The hull of points, which are rounded, if it has a volume; or None."""
+    try:
+        corners = points[ConvexHull(points).vertices].round(_DIGITS)
+        hull = trimesh.convex.convex_hull(corners)
+    except QhullError:
+        return None
+    closed = hull.is_watertight and hull.is_winding_consistent and hull.volume > 0.0
+    return hull if closed else None
 
 
 def _needed(pieces: list[Piece]) -> list[Piece]:
@@ -139,8 +137,7 @@ def _swollen(hull: Any) -> Any:
     middle = np.asarray(hull.center_mass)
     depth = float(np.einsum("fi,fi->f", hull.face_normals, hull.triangles[:, 0] - middle).min())
     if depth > _THIN:
-        hull.vertices = middle + (1.0 + _SKIN / depth) * (hull.vertices - middle)
-        return hull
+        return _hull(middle + (1.0 + _SKIN / depth) * (hull.vertices - middle))
     return _hull(_thick(np.asarray(hull.vertices)))
 
 

@@ -55,13 +55,13 @@ class OccupancyFit:
         if self.pieces:
             lines.append("pieces:")
         for piece in self.pieces:
-            vertices = ", ".join(_row(vertex) for vertex in piece.vertices)
-            triangles = ", ".join(f"[{i}, {j}, {k}]" for i, j, k in piece.triangles)
+            vertices = " ".join(_number(value) for vertex in piece.vertices for value in vertex)
+            triangles = " ".join(str(k) for triangle in piece.triangles for k in triangle)
             lines += [
                 f"  - link: {_name(piece.link)}",
                 f"    tolerance: {_number(piece.tolerance)}",
-                f"    vertices: [{vertices}]",
-                f"    triangles: [{triangles}]",
+                f'    vertices: "{vertices}"',
+                f'    triangles: "{triangles}"',
             ]
         return "\n".join(lines) + "\n"
 

@@ -80,7 +80,6 @@ class Judge:
         hulls = [(*hull, 0.0, False) for k, hull in enumerate(wide) if k not in only_look]
         hulls += [(link, a, link, b, r, over, True) for link, a, b, r, over in occupancy.capsules]
         self._exact = {link for link, *_ in occupancy.pieces if options.exact_contact}
-        self._forgiven: list[tuple[Any, ...]] = []  # those of them that count as thinner, whole
         self._hulls = self._counted(hulls)
         self._wanted = Wanted(robot.ignored_pairs, contacts)
         self._self_distance: SelfDistance | None = None
@@ -113,32 +112,22 @@ class Judge:
         return tuple(what for what, is_so in found.items() if is_so)
 
     def _counted(self, hulls: list[tuple[Any, ...]]) -> list[tuple[Any, ...]]:
-        """Those that obstacles must keep off; thinner by overhang where the target places them."""
+        """Those that obstacles must keep off."""
         rng = np.random.default_rng(0)
         seen = [self.kinematics.poses(rng.uniform(-1, 1, self.robot.dof)) for _ in range(4)]
 
-        def still(hull: tuple[Any, ...], to: str | None) -> bool:
+        def stands_still(hull: tuple[Any, ...]) -> bool:
             for link, point in (hull[:2], hull[2:4]):
-                at = []
-                for poses in seen:
-                    world = poses[link] @ [*point, 1.0]
-                    at.append(world if to is None else np.linalg.inv(poses[to]) @ world)
+                at = [poses[link] @ [*point, 1.0] for poses in seen]
                 if np.ptp(at, axis=0).max() > 1e-10:
                     return False
             return True
 
         counted = []
-        for link_a, a, link_b, b, size, over, swept in hulls:
+        for link_a, a, link_b, b, size, _, swept in hulls:
             hull = (link_a, a, link_b, b)
-            fixed = still(hull, None)
-            if fixed and not self.options.base_collision:
-                continue
-            placed = fixed or any(still(hull, tip) for tip in self.robot.tip_links)
-            exact = link_a in self._exact
-            if placed and self.options.forgive_overhang and over > 0.0 and not exact:
-                self._forgiven.append((*hull, size, swept))
-                size -= min(over, 0.5 * size)
-            counted.append((*hull, size, swept))
+            if self.options.base_collision or not stands_still(hull):
+                counted.append((*hull, size, swept))
         return counted
 
     @np.errstate(over="ignore", invalid="ignore")
@@ -194,7 +183,7 @@ class Judge:
         if mass is not None and np.abs(mass[0] - answer["center_of_mass"]).max() > ROUNDING:
             at = answer["center_of_mass"].tolist()
             faults.append(f"says the centre of mass is at {at}; it is at {mass[0].tolist()}")
-        faults += self._unlocked(answer, call) + self._unnamed(answer, poses, obstacles)
+        faults += self._unlocked(answer, call)
         return Judged(**figures, faults=tuple(faults))
 
     def _faults(self, answer: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
@@ -247,21 +236,6 @@ class Judge:
             for joint, position in call.lock.items()
             if joint in at and abs(at[joint] - position) > ROUNDING
         ]
-
-    def _unnamed(
-        self, answer: Mapping[str, Any], poses: Mapping[str, FloatArray], obstacles: Obstacles
-    ) -> list[str]:
-        """Contact of whole capsules that a success passes over otherwise than it says."""
-        said, whole = answer.get("forgiven_depth"), None
-        if said is not None and answer["success"]:
-            whole = self._clearance(self._forgiven, poses, obstacles)
-        if said is None or whole is None:
-            return []
-        depth = max(-whole[1] - self.options.clearance_tolerance, 0.0)
-        if abs(depth - said) <= ROUNDING and bool(answer["forgiven_contact"]) == (said > 0.0):
-            return []
-        named = answer["forgiven_contact"] or "nothing"
-        return [f"says that {named} is forgiven, by {said:.9g} m; it is {depth:.9g} m"]
 
     def _clearance(
         self,

@@ -18,12 +18,13 @@ ANSWER = (  # what a replay has to give again
     *("worst_constraint", "worst_violation"),
 )
 LATER = (  # which older reports do not have
-    *("forgiven_contact", "forgiven_depth", "goal_index", "message"),
+    *("goal_index", "message"),
 )
 EFFORT = ("iterations", "evaluations", "restarts")
 OF_STEPS = ("tracking", "step_limited", "complaint")
 FOUND = ("turns", "complete", "coverage", "status", "restarts", "time")  # of all solutions
-_TEXTS = (*("status", "worst_constraint", "forgiven_contact", "message", "tracking", "complaint"),)
+_TEXTS = (*("status", "worst_constraint", "message", "tracking", "complaint"),)
+_GONE = [("forgive_overhang", False)]  # options of before, as which this version behaves
 CLOCK = ("time", "intake", "late_evaluations")  # what is another one each time
 
 
@@ -53,10 +54,11 @@ def read_options(entry: Entry) -> Options:
 
 def _fields(default: Any, entry: Entry) -> Any:
     known = {each.name for each in dataclasses.fields(default)}
-    for name in entry.names():
+    names = [name for name in entry.names() if (name, entry[name].value) not in _GONE]
+    for name in names:
         if name not in known:
             raise entry[name].wrong("no option of this version of pdoik")
-    values = {name: _option(getattr(default, name), entry[name]) for name in entry.names()}
+    values = {name: _option(getattr(default, name), entry[name]) for name in names}
     return dataclasses.replace(default, **values)
 
 

@@ -87,7 +87,6 @@ def status_html(shown: Shown, meter: Meter) -> str:
         *_extras(shown),
         ("worst constraint", escape(without_numbers(result.worst_constraint))),
         ("", margin_text(result, robot)),
-        *_forgiven(result),
         ("solve rate", meter.text()),
     ]
     cells = "".join(
@@ -133,14 +132,6 @@ def _clearance(result: pdoik.Result, shown: Shown) -> str:
     counts = {"points": len(shown.obstacles), "shapes": len(shown.cloud.shapes)}
     named = " and ".join(f"{n} {what[: -1 if n == 1 else None]}" for what, n in counts.items() if n)
     return f"{1e3 * result.clearance:.1f} mm to {named}" if named else "no obstacles"
-
-
-def _forgiven(result: pdoik.Result) -> list[tuple[str, str]]:
-    """What touches and is passed over."""
-    if not result.forgiven_contact:
-        return []
-    depth = f"{1e3 * result.forgiven_depth:.1f} mm at most"
-    return [("tolerated", f"{escape(result.forgiven_contact)}, {depth}")]
 
 
 def _extras(shown: Shown) -> list[tuple[str, str]]:
