@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+import trimesh
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 import pdoik
 
@@ -111,13 +113,40 @@ def spheroid_distance(points: Array, f1: Array, f2: Array, semi_major: float) ->
     return distance
 
 
-def clearance(occupancy: pdoik.Occupancy, poses: dict[str, Array], obstacles: Array) -> float:
-    """Least distance from an obstacle, less its radius, to a hull; poses are in the base frame.
+def pieces_distance(points: Array, pieces: list[tuple[Array, Array]]) -> Array:
+    """Of points to closed convex meshes, the nearest one, (N,), negative inside by its faces."""
+    planes = [ConvexHull(vertices).equations for vertices, _ in pieces]
+    above = np.array([(points @ p[:, :3].T + p[:, 3]).max(axis=1) for p in planes])
+    least: Array = above.min(axis=0)
+    for k in np.flatnonzero(least > 0.0):
+        nearest = np.inf
+        for piece in np.argsort(above[:, k]):
+            if above[piece, k] >= nearest:
+                break
+            faces = pieces[piece][0][pieces[piece][1]]
+            on = trimesh.triangles.closest_point(faces, np.broadcast_to(points[k], (len(faces), 3)))
+            nearest = min(nearest, float(np.linalg.norm(on - points[k], axis=1).min()))
+        least[k] = nearest
+    return least
 
-    A link that has capsules is what these fill; its other hulls do not count.
+
+def clearance(
+    occupancy: pdoik.Occupancy, poses: dict[str, Array], obstacles: Array, wanted: float = 0.0
+) -> tuple[float, float]:
+    """Least distance from an obstacle, less its radius, to a hull, at least and at most.
+
+    A link that has capsules is what these fill; its other hulls do not count. Of what comes nearer
+    to a capsule than is wanted, the link's own pieces say how near it is: for that capsule, or for
+    the link's others too.
+
+    Args:
+        occupancy: The hulls.
+        poses: Of links, in the base frame.
+        obstacles: (N, 3) or (N, 4) [m].
+        wanted: The clearance asked for [m].
     """
     if len(obstacles) == 0:
-        return np.inf
+        return np.inf, np.inf
 
     def place(link: str, xyz: tuple[float, float, float]) -> Array:
         point: Array = poses[link][:3, :3] @ np.array(xyz) + poses[link][:3, 3]
@@ -125,26 +154,33 @@ def clearance(occupancy: pdoik.Occupancy, poses: dict[str, Array], obstacles: Ar
 
     points = obstacles[:, :3]
     radii = obstacles[:, 3] if obstacles.shape[1] == 4 else np.zeros(len(obstacles))
-    least = np.inf
-    closer = {capsule[0] for capsule in occupancy.capsules}
+    capsules: dict[str, list[Array]] = {}
     for link, xyz_a, xyz_b, radius, *_ in occupancy.capsules:
         a, along = place(link, xyz_a), place(link, xyz_b) - place(link, xyz_a)
         t = np.clip((points - a) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
-        distances = np.linalg.norm(points - a - t[:, None] * along, axis=1) - radius
-        least = min(least, float((distances - radii).min()))
+        distances = np.linalg.norm(points - a - t[:, None] * along, axis=1) - radius - radii
+        capsules.setdefault(link, []).append(distances)
+    least, most = np.inf, np.inf
+    of_links = [(link, np.array(v), np.array(t)) for link, v, t, _ in occupancy.pieces]
+    for link, of_capsules in capsules.items():
+        each = np.array(of_capsules)
+        local = (points - poses[link][:3, 3]) @ poses[link][:3, :3]
+        within = (each < wanted).any(axis=0)
+        own = np.full(len(points), -np.inf)
+        if within.any() and (pieces := [each[1:3] for each in of_links if each[0] == link]):
+            own[within] = pieces_distance(local[within], pieces) - radii[within]
+        least = min(least, float(np.where(each < wanted, np.maximum(each, own), each).min()))
+        most = min(most, float(np.maximum(each.min(axis=0), own).min()))
+    others = []
     for link, xyz, radius in occupancy.spheres:
-        if link in closer:
-            continue
-        distances = np.linalg.norm(points - place(link, xyz), axis=1) - radius
-        least = min(least, float((distances - radii).min()))
+        if link not in capsules:
+            others.append(np.linalg.norm(points - place(link, xyz), axis=1) - radius)
     for link_a, xyz_a, link_b, xyz_b, semi_major in occupancy.spheroids:
-        if closer & {link_a, link_b}:
-            continue
-        distances = spheroid_distance(
-            points, place(link_a, xyz_a), place(link_b, xyz_b), semi_major
-        )
-        least = min(least, float((distances - radii).min()))
-    return least
+        if not capsules.keys() & {link_a, link_b}:
+            ends = place(link_a, xyz_a), place(link_b, xyz_b)
+            others.append(spheroid_distance(points, *ends, semi_major))
+    wide = min((float((distances - radii).min()) for distances in others), default=np.inf)
+    return min(least, wide), min(most, wide)
 
 
 def rotation_angle(R: Array) -> float:

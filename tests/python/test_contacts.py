@@ -48,7 +48,13 @@ def coal_pairs(
     least: dict[tuple[str, str], float] = {}
     geometries = {shape.name: coal_geometry(shape) for shape in shapes}
     bodies: list[tuple[str, object, FloatArray]] = []
+    for link, vertices, triangles, _ in robot.occupancy.pieces:
+        piece = pdoik.Shape.convex_mesh(link, vertices, triangles=triangles)
+        bodies.append((link, coal_geometry(piece), robot.fk(q, link)))
+    in_pieces = {name for name, *_ in bodies}
     for link, a, b, radius, _ in robot.occupancy.capsules:
+        if link in in_pieces:
+            continue
         T = robot.fk(q, link)
         ends = (T[:3, :3] @ a + T[:3, 3], T[:3, :3] @ b + T[:3, 3])
         bodies.append((link, *capsule_between(*ends, radius)))
@@ -119,7 +125,7 @@ def test_random_rules_are_kept_pair_by_pair() -> None:
     hand, rng, solved, own = robot.link_names[-1], np.random.default_rng(5), 0, 0
     names = ["table", "shelf", "shelf/1", "cup", "panda_link5", "panda_link6", "panda*", "*", "s*"]
     cup = pdoik.Shape.cylinder("cup", 0.04, 0.12, placed(0, 0, 0.12))
-    for _ in range(25):
+    for _ in range(40):
         q = robot.lower + rng.uniform(0.2, 0.8, 7) * (robot.upper - robot.lower)
         shapes = [
             pdoik.Shape.box(each, rng.uniform(0.05, 0.2, 3), placed(*rng.uniform(-0.7, 0.7, 3)))
@@ -131,7 +137,7 @@ def test_random_rules_are_kept_pair_by_pair() -> None:
         ]
         rules += [Rule("cup", "nothing", optional=True)]
         base = [Rule("panda_link0", "*"), Rule("panda_link1", "*")]
-        options = pdoik.Options(clearance=0.06, max_time=np.inf, max_restarts=30)
+        options = pdoik.Options(clearance=0.12, max_time=np.inf, max_restarts=30)
         solver = pdoik.Solver(robot, options)
         solver.attach(hand, [cup])
         scene = pdoik.Scene(shapes, contacts=[*base, *rules])
@@ -146,7 +152,10 @@ def test_random_rules_are_kept_pair_by_pair() -> None:
         ]
         room = min((each[0] for each in rooms), default=math.inf)
         if room > -options.clearance and min(each[1] for each in rooms) > 0:
-            assert result.room == pytest.approx(room, abs=1e-5)
+            # Capsules, which count where nothing is too near, stand 15 mm out at most.
+            assert room - 0.016 <= result.room <= room + 1e-5
+            if room < 0:
+                assert result.room == pytest.approx(room, abs=1e-5)
         if result.success:
             solved += 1
             assert room >= -1e-5
@@ -601,7 +610,9 @@ def test_a_report_keeps_rules_and_what_two_links_carry(tmp_path: Path) -> None:
         *(Rule("panda_link1", "panda_link6", clearance=0.12), Rule("ball", "panda_link7")),
         Rule("gone", "ball", optional=True),
     ]
-    options = pdoik.Options(clearance=0.01, max_time=np.inf, max_restarts=40, self_collision=True)
+    options = pdoik.Options(  # pieces are not the report's own code's
+        clearance=0.01, max_time=np.inf, max_restarts=40, self_collision=True, exact_contact=False
+    )
     solver = pdoik.Solver(robot, options)
     scene = pdoik.Scene(shapes, cloud=points, contacts=rules)
     q = np.array([0.3, 0.2, 0.0, -1.8, 0.0, 2.2, 0.8])

@@ -72,7 +72,7 @@ def test_it_dodges_a_ball_while_the_path_waits_and_comes_back_in_the_configurati
 ) -> None:
     tracker = tracker_of(robot)
     tracker.reset(line.q[0])
-    judge = pdoik.Solver(robot)
+    judge = pdoik.Solver(robot, pdoik.Options(clearance=CLEARANCE))
     follower = pdoik.PathFollower(tracker, line.q, tool_speed=SPEED, max_offset=max_offset)
     nearest, offsets, waits, k = np.inf, [], 0, 0
     while not follower.done:

@@ -36,7 +36,7 @@ def clearance(robot: pdoik.Robot, q: np.ndarray, balls: np.ndarray) -> float:
 def run(*, told: bool, as_shape: bool) -> tuple[float, float]:
     """Least clearance after steps, and as the next ones find it."""
     robot = pdoik.Robot.builtin("panda")
-    options = pdoik.Options(clearance=CLEARANCE, base_collision=False)
+    options = pdoik.Options(clearance=CLEARANCE, base_collision=False, exact_contact=False)
     tracker = pdoik.Tracker(pdoik.Solver(robot, options), PERIOD, max_time=1.0)
     q = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
     tracker.reset(q)

@@ -11,7 +11,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.judges.distances import to_segment
 from bench.ik.safety.report import Jobs, Line, millimetres
-from bench.ik.safety.world import PERIOD, UNHURRIED, judge_of, outer_radii, pose_of, robot_of
+from bench.ik.safety.world import PERIOD, UNHURRIED, judge_of, pose_of, robot_of
 from bench.ik.soak.judge import Judge
 from bench.ik.soak.solves import Row
 
@@ -81,7 +81,7 @@ def clearances(
     Or as steps find them that begin so many periods later, (T - later,).
     """
     assert judge.swept.all()
-    ball, at, radii = ball_of(points, seed), centres(speed)[later:], outer_radii(judge)
+    ball, at, radii = ball_of(points, seed), centres(speed)[later:], judge.A
     Q = Q[: len(at)]
     if points == 0:
         ball = np.array([[0.0, 0.0, 0.0, RADIUS]])

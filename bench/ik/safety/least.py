@@ -11,7 +11,7 @@ import pinocchio as pin
 from scipy.optimize import least_squares, lsq_linear
 
 from bench.common.arrays import BoolArray, FloatArray
-from bench.ik.safety.world import Box, World, distances, outer_radii, to_box
+from bench.ik.safety.world import Box, World, distances, to_box
 from bench.ik.soak.hulls import capsules
 from bench.ik.soak.judge import Asked, Goals, Judge
 
@@ -52,7 +52,7 @@ class Errand:
         q = np.clip(np.zeros(len(joints)), self.lower, self.upper)
         a, b = judge.hulls(kinematics.place(q[None]))
         p, r, radii = (each[0] for each in capsules(a, b, judge.A, judge.swept))
-        self._radii, self._outer = radii, radii - (judge.A - outer_radii(judge))
+        self._radii = radii
         R, t = self._place(q)
         self._p, self._q = (
             np.einsum("kji,kj->ki", R[self._seats], end - t[self._seats]) for end in (p, r)
@@ -107,12 +107,12 @@ class Errand:
         found: list[tuple[FloatArray, FloatArray]] = []
         if len(balls := self._world.balls):
             apart = np.linalg.norm(middle[:, None] - balls[:, :3], axis=-1) - balls[:, 3]
-            k, n = np.nonzero(apart < (half + self._outer)[:, None] + reach)
+            k, n = np.nonzero(apart < (half + self._radii)[:, None] + reach)
             near = _nearest(balls[n, :3], p[k], q[k])
-            found.append(self._met(seats[k], near, balls[n, :3], self._outer[k] + balls[n, 3]))
+            found.append(self._met(seats[k], near, balls[n, :3], self._radii[k] + balls[n, 3]))
         for box in self._world.boxes:
-            close = np.flatnonzero(_may_touch(p, q, self._outer + reach, box))
-            gaps, points, normals = to_box(p[close], q[close], self._outer[close], box)
+            close = np.flatnonzero(_may_touch(p, q, self._radii + reach, box))
+            gaps, points, normals = to_box(p[close], q[close], self._radii[close], box)
             some = gaps < reach
             rates = self._rates(seats[close[some]], points[some])
             found.append((gaps[some], -np.einsum("ci,cij->cj", normals[some], rates)))

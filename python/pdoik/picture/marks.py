@@ -72,16 +72,17 @@ def _to_nearest(
     options: pdoik.Options, result: pdoik.Result, nearest: NearestObstacle, found: Binding
 ) -> Mark:
     if found.shape is not None or found.obstacle is not None:
-        fails, wanted = True, nearest.distance - result.room
+        fails, lacking = True, -result.room
     else:  # something else fails more than this, or nothing
         least = options.clearance - options.clearance_tolerance
-        fails, wanted = not result.success and nearest.distance < least, options.clearance
+        fails = not result.success and nearest.distance < least
+        lacking = options.clearance - nearest.distance
     part = without_numbers(nearest.part)
     if nearest.distance < 0:
         text = f"{part}, {-1e3 * nearest.distance:.1f} mm inside {nearest.obstacle}"
     else:
         text = f"{1e3 * nearest.distance:.1f} mm, {part} to {nearest.obstacle}"
-        text += f"; {1e3 * wanted:.1f} mm asked" if fails else ""
+        text += f"; {1e3 * lacking:.1f} mm less than asked" if fails else ""
     return Mark(
         line=nearest.line,
         text=text,

@@ -129,7 +129,7 @@ def _signed_distance(shape: Shape) -> Callable[[FloatArray], float]:
         case "capsule":
             end = np.array([0.0, 0.0, 0.5 * size[1]])
             return lambda p: float(to_capsule(p[None], -end, end, size[0])[0])
-    return _to_mesh(shape.vertices, shape.triangles)
+    return to_mesh(shape.vertices, shape.triangles)
 
 
 def _to_box(low: FloatArray, high: FloatArray) -> Callable[[FloatArray], float]:
@@ -213,11 +213,26 @@ def _corner(beyond: FloatArray) -> float:
     return float(np.linalg.norm(np.maximum(beyond, 0.0)) + min(float(beyond.max()), 0.0))
 
 
-def _to_mesh(vertices: FloatArray, triangles: NDArray[np.int32]) -> Callable[[FloatArray], float]:
-    A, B, C = (vertices[triangles[:, k]] for k in range(3))
+def above_faces(
+    points: FloatArray, vertices: FloatArray, triangles: NDArray[np.int32]
+) -> FloatArray:
+    """Heights of points (N, 3) above the planes of a mesh's triangles, (N, T) [m]."""
+    normals, offsets = _planes(*(vertices[triangles[:, k]] for k in range(3)))
+    return np.asarray(points @ normals.T - offsets)
+
+
+def _planes(A: FloatArray, B: FloatArray, C: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Normals and offsets; everything is below a triangle of no area."""
     normals = np.cross(B - A, C - A)
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    offsets = np.einsum("ti,ti->t", normals, A)
+    lengths = np.linalg.norm(normals, axis=1)
+    normals /= np.maximum(lengths, 1e-300)[:, None]
+    return normals, np.where(lengths > 0.0, np.einsum("ti,ti->t", normals, A), np.inf)
+
+
+def to_mesh(vertices: FloatArray, triangles: NDArray[np.int32]) -> Callable[[FloatArray], float]:
+    """Of a point to what a closed convex mesh holds [m]."""
+    A, B, C = (vertices[triangles[:, k]] for k in range(3))
+    normals, offsets = _planes(A, B, C)
 
     def distance(p: FloatArray) -> float:
         heights = normals @ p - offsets

@@ -12,7 +12,7 @@ from .._core import ContactRule, Robot
 from ..options import Options
 from .call import Call
 from .contacts import Wanted
-from .distances import segment_to_shape, to_hull
+from .distances import above_faces, segment_to_shape, to_capsule, to_hull, to_mesh
 from .kinematics import Kinematics
 from .mass import MassBox
 from .obstacles import Obstacles
@@ -20,6 +20,7 @@ from .requirements import Requirement, requirements
 from .self_distance import Capsule, SelfDistance
 from .values import FloatArray
 
+_BY_PIECES = "contact of shapes and links within capsules, where links' own pieces decide"
 ROUNDING = 1e-8  # what two ways to compute one figure may differ by [m] or [rad]
 
 
@@ -79,7 +80,9 @@ class Judge:
         only_look = wide_hulls(robot)  # those around capsules
         hulls = [(*hull, 0.0, False) for k, hull in enumerate(wide) if k not in only_look]
         hulls += [(link, a, link, b, r, over, True) for link, a, b, r, over in occupancy.capsules]
-        self._exact = {link for link, *_ in occupancy.pieces if options.exact_contact}
+        self._pieces: dict[str, list[tuple[Any, Any]]] = {}  # of links that they decide for
+        for link, vertices, triangles, _ in occupancy.pieces if options.exact_contact else ():
+            self._pieces.setdefault(link, []).append((np.array(vertices), np.array(triangles)))
         self._hulls = self._counted(hulls)
         self._wanted = Wanted(robot.ignored_pairs, contacts)
         self._self_distance: SelfDistance | None = None
@@ -104,7 +107,6 @@ class Judge:
             "clearance, since the paper's hulls are not the robot's capsules": own
             and len(self.robot.occupancy.capsules) > 0,
             "what links carry": carries,
-            "contact within capsules, where links' own pieces decide": bool(self._exact),
             "distances between links, of spheroids": self._keeps_off_itself
             and self._self_distance is None,
             "balance": not self._mass_box.is_judged,
@@ -166,7 +168,8 @@ class Judge:
             if not goal.is_wish and goal.kind != "center_of_mass"
         ]
         mass = self._mass_box(asked, poses)
-        clearance, room = self._clearance(self._hulls, poses, obstacles) or (None, None)
+        nothing = (None, None, False)
+        clearance, room, by_pieces = self._clearance(self._hulls, poses, obstacles) or nothing
         own = None if self._self_distance is None else self._self_distance(poses)
         self_distance, self_room = own or (None, None)
         figures: dict[str, Any] = {
@@ -179,14 +182,24 @@ class Judge:
             "self_room": self_room,
             "balance_violation": None if mass is None else mass[1],
         }
-        faults = [*_false_claims(answer, errors), *self._faults(answer, figures)]
+        faults = [
+            *_false_claims(answer, errors),
+            *self._faults(answer, figures, obstacles, by_pieces=by_pieces),
+        ]
         if mass is not None and np.abs(mass[0] - answer["center_of_mass"]).max() > ROUNDING:
             at = answer["center_of_mass"].tolist()
             faults.append(f"says the centre of mass is at {at}; it is at {mass[0].tolist()}")
         faults += self._unlocked(answer, call)
         return Judged(**figures, faults=tuple(faults))
 
-    def _faults(self, answer: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
+    def _faults(
+        self,
+        answer: Mapping[str, Any],
+        found: Mapping[str, Any],
+        obstacles: Obstacles,
+        *,
+        by_pieces: bool,
+    ) -> list[str]:
         """Figures that are not what is said, and claims that they do not bear out."""
         options, faults, claims = self.options, [], _claim(answer)
         most_outside = options.clearance_tolerance
@@ -209,7 +222,10 @@ class Judge:
             distance, said, title = found[name], answer[name], name.replace("_", " ")
             if distance is None:
                 continue
-            if self._exact and found[beyond] < 0.0:  # by capsules; the links are no nearer
+            unsure = self._pieces and (name == "self_distance" or obstacles.shapes)
+            if unsure and found[beyond] < 0.0:  # by capsules; the links are no nearer
+                if _BY_PIECES not in self.unjudged:
+                    self.unjudged += (_BY_PIECES,)
                 if said < distance - ROUNDING and distance > 0.0:
                     faults.append(f"says {title} is {said:.9g} m; it is {distance:.9g} at least")
                 continue
@@ -221,8 +237,9 @@ class Judge:
             told = _told_up_to(answer, options)  # and more as that
             far = min(distance, said) >= told - ROUNDING
             near = np.isclose(said, distance, rtol=ROUNDING, atol=ROUNDING)
+            more = by_pieces and name == "clearance" and said > distance
             both_off = min(distance, said) > ROUNDING  # depth can be measured in several ways
-            if (both_off and not far and not near) or (
+            if (both_off and not far and not near and not more) or (
                 max(distance, said) > ROUNDING and min(distance, said) < -ROUNDING
             ):
                 faults.append(f"says {title} is {said:.9g} m; it is {distance:.9g}")
@@ -242,14 +259,15 @@ class Judge:
         hulls: list[tuple[Any, ...]],
         poses: Mapping[str, FloatArray],
         obstacles: Obstacles,
-    ) -> tuple[float, float] | None:
+    ) -> tuple[float, float, bool] | None:
         """Least over hulls and obstacles, and beyond what is wanted of the two [m].
 
-        None where it is none of this judge's.
+        And whether pieces said so, for one capsule after the other: a solver asks them for several
+        at once, and may find more room. None where it is none of this judge's.
         """
         if any(what.startswith(("clearance", "what links")) for what in self.unjudged):
             return None
-        least = room = np.inf
+        least, room, by_pieces = np.inf, np.inf, False
         for link_a, a, link_b, b, size, swept in hulls:
             A, B = (poses[link] @ [*p, 1.0] for link, p in ((link_a, a), (link_b, b)))
             links = sorted({link_a, link_b})
@@ -257,6 +275,12 @@ class Judge:
             if wanted > -np.inf:
                 far = max(least, room + wanted)
                 near = to_hull(obstacles.points, A[:3], B[:3], size, swept, far)
+                if near < wanted and link_a in self._pieces:
+                    balls = obstacles.points
+                    apart = to_capsule(balls[:, :3], A[:3], B[:3], size) - balls[:, 3]
+                    own = self._to_pieces(link_a, poses, balls[apart < wanted], wanted)
+                    near = min(max(near, own), float(apart[apart >= wanted].min(initial=np.inf)))
+                    by_pieces = True
                 least, room = min(least, near), min(room, near - wanted)
             for shape in obstacles.shapes:
                 if not swept and not (link_a == link_b and np.array_equal(a, b)):
@@ -266,7 +290,21 @@ class Judge:
                     far = max(least, room + wanted)
                     near = segment_to_shape(A[:3], B[:3], shape, far + size) - size
                     least, room = min(least, near), min(room, near - wanted)
-        return least, room
+        return least, room, by_pieces
+
+    def _to_pieces(
+        self, link: str, poses: Mapping[str, FloatArray], balls: FloatArray, wanted: float
+    ) -> float:
+        """Least distance of balls (N, 4) from a link itself; where it is enough, no more [m]."""
+        T, radii = poses[link], balls[:, 3]
+        local = (balls[:, :3] - T[:3, 3]) @ T[:3, :3]
+        least = np.inf
+        for vertices, triangles in self._pieces[link]:
+            above = above_faces(local, vertices, triangles).max(axis=1) - radii
+            least = min(least, float(above[above >= wanted].min(initial=np.inf)))
+            for k in np.flatnonzero(above < wanted):
+                least = min(least, to_mesh(vertices, triangles)(local[k]) - radii[k])
+        return least
 
 
 def _told_up_to(answer: Mapping[str, Any], options: Options) -> float:
