@@ -17,11 +17,13 @@ import typer
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.markdown import markdown_table
-from bench.ik.experiment import ARMS
-from bench.ik.hulls.tight import geometry
+from bench.humanoid.hulls import shape_mesh
+from bench.ik.experiment import ARMS, Arm
+from bench.ik.judges.arm_meshes import arm_meshes
 from bench.ik.judges.meshes import self_judge
 from bench.ik.problems.hulls import fitted_robot
 from bench.ik.problems.robots import robot_files
+from pdoik.h1.shapes import SHAPES
 from pdoik.link_pairs import sample_pairs
 from pdoik.occupancy_fit.geometry import load_geometry
 
@@ -49,10 +51,20 @@ def main(
             robot.ignored_pairs = found.ignored
             rows += _judge(robot, meshes, samples, seed, [name, "fitted", f"{word}, sampled"])
     for name in (*ARMS, "h1"):
-        robot, meshes = pdoik.Robot.builtin(name), geometry(name)
+        robot, meshes = pdoik.Robot.builtin(name), _meshes(name)
         for exact, words in ((False, "shipped, capsules alone"), (True, "shipped")):
             rows += _judge(robot, meshes, samples, seed, [name, words, "shipped"], exact=exact)
     print(markdown_table(COLUMNS, rows))
+
+
+def _meshes(name: str) -> dict[str, FloatArray]:
+    """Of a shipped robot; of the H1 with their corners on the surfaces of its shapes."""
+    if name != "h1":
+        return arm_meshes(Arm.builtin(name))
+    return {
+        link: np.concatenate([shape_mesh(each).triangles for each in SHAPES if each.link == link])
+        for link in dict.fromkeys(shape.link for shape in SHAPES)
+    }
 
 
 def _judge(

@@ -48,7 +48,7 @@ HEADER = """\
 #
 #   link                 capsules    mean   worst
 """
-SIDES = 40  # of the prism around a cylinder
+SIDES = 120  # of the prism around a cylinder
 LinkRow = tuple[str, int, float, float]  # capsules, mean and worst overhang [mm]
 
 
