@@ -71,6 +71,9 @@ def run(
     spacing: Annotated[
         float, typer.Option(min=0.05, help="Of the points that clouds are made of, in mm.")
     ] = 1e3 * SPACING,
+    starts: Annotated[
+        int, typer.Option(min=0, help="Random ones that each problem is solved from; 0 for none.")
+    ] = 0,
     out: Annotated[Path, typer.Option(help="Folder of the results.")] = OUT,
 ) -> None:
     """Solve problem sets and judge every answer by meshes."""
@@ -104,7 +107,11 @@ def run(
                     for held, some in robots.groups(problems):
                         answering = Method(way, held.robot, budgets, some[0], spacing / 1e3)
                         trials = run_trials(
-                            some, answering, held.judge, lambda task=task: progress.advance(task)
+                            some,
+                            answering,
+                            held.judge,
+                            lambda task=task: progress.advance(task),
+                            starts,
                         )
                         for seconds in budgets:
                             done[seconds] += trials[seconds]

@@ -71,9 +71,24 @@ class Method:
         begun = time.perf_counter()
         return self._prepare(problem), time.perf_counter() - begun
 
-    def answer(self, problem: Problem, obstacles: Any, budget: float) -> pdoik.Result:
-        """Within one of the budgets."""
-        return self._solvers[budget].solve(_goals(problem), obstacles=obstacles)
+    def answer(
+        self, problem: Problem, obstacles: Any, budget: float, start: int = 0
+    ) -> pdoik.Result:
+        """Within one of the budgets.
+
+        Args:
+            problem: Any of the set.
+            obstacles: Its, as they were taken in.
+            budget: [s].
+            start: 0 for none, else which one at random.
+        """
+        solver = self._solvers[budget]
+        robot, q0 = solver.robot, None
+        if start > 0:
+            turns = np.isinf(robot.upper - robot.lower)
+            low, high = np.where(turns, -np.pi, robot.lower), np.where(turns, np.pi, robot.upper)
+            q0 = np.random.default_rng(start).uniform(low, high)
+        return solver.solve(_goals(problem), q0=q0, obstacles=obstacles)
 
     def touches(self, problem: Problem, obstacles: Any) -> bool:
         """Whether the defining configuration touches, by the hulls' own account."""

@@ -1,6 +1,7 @@
 """One method, one set of problems: every answer judged, and the row that it makes."""
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,12 @@ def run(
     method: Method,
     judge: Judge,
     advance: Callable[[], object] = lambda: None,
+    starts: int = 0,
 ) -> dict[float, list[Trial]]:
     """Every problem answered within every budget of the method, and judged: by budget [s].
 
-    The judge has the method's order of joints; `advance` is called after each problem.
+    The judge has the method's order of joints; `advance` is called after each problem. With starts
+    a problem is asked from as many random ones.
     """
     trials: dict[float, list[Trial]] = {budget: [] for budget in method.budgets}
     for k, problem in enumerate(problems):
@@ -30,8 +33,8 @@ def run(
             method.answer(problem, obstacles, method.budgets[0])
         known = problem.goal_q is not None and judge.fault(problem, problem.goal_q) is None
         touch = method.touches(problem, obstacles) if known else None
-        for budget in method.budgets:
-            result = method.answer(problem, obstacles, budget)
+        for budget, start in product(method.budgets, range(1, starts + 1) if starts else [0]):
+            result = method.answer(problem, obstacles, budget, start)
             fault = None
             if result.success:
                 fault = judge.misses(result.q, problem.targets, TOLERANCE, TOLERANCE)

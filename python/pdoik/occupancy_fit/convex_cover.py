@@ -21,7 +21,9 @@ _CLOSE = 1e-4  # to a plane through a place that stands out: cut off too, and so
 _BUD = 5e-5 * np.concatenate([np.eye(3), -np.eye(3)])  # so that no piece is flat [m]
 
 
-def convex_cover(body: FloatArray, beyond: Beyond, tolerance: float) -> list[FloatArray]:
+def convex_cover(
+    body: FloatArray, beyond: Beyond, tolerance: float, most: int
+) -> list[FloatArray] | None:
     """Corners of pieces, each (V, 3) [m], that hold a body's surface and its inside.
 
     The surface is cut into small triangles, and cubes are put inside. Two of these atoms go
@@ -34,11 +36,14 @@ def convex_cover(body: FloatArray, beyond: Beyond, tolerance: float) -> list[Flo
         body: A connected surface, (T, 3, 3) [m].
         beyond: Tells how far places are outside the whole link.
         tolerance: How far a piece may stand beyond it [m].
+        most: None if it takes more pieces than this.
     """
     atoms = Atoms.of(body, _SLACK * tolerance)
     bare = np.ones(len(atoms.corners), dtype=bool)
-    pieces = []
+    pieces: list[FloatArray] = []
     while bare.any():
+        if len(pieces) >= most:
+            return None
         chosen, corners = _piece(atoms, bare, beyond, tolerance)
         if len(corners):
             pieces.append(corners)

@@ -15,6 +15,7 @@ from .solid import areas, spread
 
 TOLERANCE = 1e-3  # how far a piece may stand beyond its link [m]
 MOST_PIECES = 120  # of a link
+_COARSER = (1, 2, 4, 8)  # times the tolerance, where it takes more
 _STRICT = (0.8, 0.6, 0.4)  # of the tolerance, for pieces that are measured again
 _SPACING = 2e-3  # of the points that a piece is measured at [m]
 _FEWEST, _MOST = 1000, 20_000  # of them
@@ -39,7 +40,8 @@ def fit_pieces(link: str, triangles: FloatArray, tolerance: float = TOLERANCE) -
 
     The convex hull of a connected part, where it is that part within the tolerance; elsewhere
     several that cover it (`convex_cover`). They hold the geometry with 0.01 mm to spare. How far
-    they stand beyond it is measured at points all over their faces.
+    they stand beyond it is measured at points all over their faces. Of a link that takes more than
+    120 they may stand out twice as far, or four or eight times: each says by how much it does.
 
     Args:
         link: Its name.
@@ -47,39 +49,52 @@ def fit_pieces(link: str, triangles: FloatArray, tolerance: float = TOLERANCE) -
         tolerance: How far a piece may stand beyond the link [m].
 
     Returns:
-        None for a link that takes more than 120, or has a scrap too thin for a hull: its capsules
-        then say alone what it touches.
+        None for a link that takes more than 120 even so, or has a scrap too thin for a hull: its
+        capsules then say alone what it touches.
     """
     beyond = Beyond(triangles)
-    if len(beyond.parts) > MOST_PIECES:
-        return []
+    for times in _COARSER:
+        pieces = _within(link, beyond, times * tolerance)
+        if pieces is not None:
+            return pieces
+    return []
+
+
+def _within(link: str, beyond: Beyond, tolerance: float) -> list[Piece] | None:
+    """Pieces within a tolerance; None if it takes too many, or one is too thin for a hull."""
     pieces: list[Piece] = []
-    for part in beyond.parts:
+    for part in sorted(beyond.parts, key=len, reverse=True):
         whole = _piece(link, part.reshape(-1, 3), beyond)
+        found: list[Piece] | None
         if whole is not None and whole.tolerance <= tolerance:
-            pieces.append(whole)
+            found = [whole]
         else:
-            found = _covering(link, part, beyond, tolerance)
-            if not found:
-                return []
-            pieces += found
+            found = _covering(link, part, beyond, tolerance, MOST_PIECES - len(pieces))
+        if found is None:
+            return None
+        pieces += found
     pieces = _needed(pieces)
-    return pieces if len(pieces) <= MOST_PIECES else []
+    return pieces if len(pieces) <= MOST_PIECES else None
 
 
-def _covering(link: str, part: FloatArray, beyond: Beyond, tolerance: float) -> list[Piece]:
-    """Pieces that cover a part; none if one is too thin for a hull.
+def _covering(
+    link: str, part: FloatArray, beyond: Beyond, tolerance: float, most: int
+) -> list[Piece] | None:
+    """Pieces that cover a part; None if it takes more than most, or one is too thin for a hull.
 
     Their faces are measured at other places than while they were made: where one then stands out
     farther, all are made again by less.
     """
     pieces: list[Piece] = []
     for share in _STRICT:
+        cover = convex_cover(part, beyond, share * tolerance, most)
+        if cover is None:
+            return None
         pieces = []
-        for corners in convex_cover(part, beyond, share * tolerance):
+        for corners in cover:
             piece = _piece(link, corners, beyond) or _piece(link, _thick(corners), beyond)
             if piece is None:
-                return []
+                return None
             pieces.append(piece)
         if all(piece.tolerance <= tolerance for piece in pieces):
             break

@@ -10,8 +10,8 @@ from .segments import AnyFloats, Capsules, free, surface, to_segments
 from .solid import Solid
 
 _SEEDS_INSIDE, _SEEDS_ON = 110, 40  # ends of the segments that the greedy cover chooses from
-_ACTIVE, _REFRESH = 5000, 4  # points that pull, and after how many steps they are chosen anew
-_SAMPLES = 96  # points on each capsule's surface
+_ACTIVE, _REFRESH = 2500, 4  # points that pull, and after how many steps they are chosen anew
+_SAMPLES = 64  # points on each capsule's surface
 _STEP, _LEAST_RADIUS = 2e-3, 1e-3  # the first step and the thinnest capsule [m]
 _STIFFNESS = 2e4  # of the points' pull against the surface's, [1/m]
 _FREE_SHARE = 0.3  # of the capsules' surface that is free, about
