@@ -18,7 +18,7 @@ OTHERS = ("matplotlib", "mujoco", "pinocchio", "pypcd4", "rich", "scipy", "trime
 OTHERS += ("PIL", "h5py", "imageio", "jinja2", "pyarrow", "rosbags", "viser", "xacro", "yaml")
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 PACKAGE_OF = {"PIL": "pillow", "collada": "pycollada", "pinocchio": "pin", "yaml": "pyyaml"}
-PACKAGE_OF |= {"mpl_toolkits": "matplotlib", "mapbox_earcut": "mapbox-earcut"}
+PACKAGE_OF |= {"igl": "libigl", "mpl_toolkits": "matplotlib", "mapbox_earcut": "mapbox-earcut"}
 BY_CHOICE = {"distributed", "example_robot_data", "robot_descriptions"}  # users bring these
 
 

@@ -13,7 +13,7 @@ FloatArray = npt.NDArray[np.float64]
 def link_pieces(robot: pdoik.Robot, q: FloatArray, link: str) -> list[pdoik.Shape]:
     """Those of a link, in the base frame; none where it has none."""
     return [
-        pdoik.Shape.convex_mesh(f"{link} (piece {k})", vertices, robot.fk(q, link))
-        for k, (owner, vertices, *_) in enumerate(robot.occupancy.pieces)
+        pdoik.Shape.convex_mesh(f"{link} (piece {k})", vertices, robot.fk(q, link), triangles)
+        for k, (owner, vertices, triangles, _) in enumerate(robot.occupancy.pieces)
         if owner == link
     ]
