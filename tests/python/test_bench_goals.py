@@ -134,14 +134,16 @@ def test_the_judge_of_peers_sees_what_touches() -> None:
     text = world.shipped("panda").read_text()
     tips = tuple(robot.tip_links)
     judge = Judge(Body(robot=robot, urdf=text, tips=tips, self_collision=True, points=points))
-    solver = pdoik.Solver(robot, pdoik.Options(self_collision=True, exact_contact=False))
+    solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
     touching = 0
     for _ in range(20):
         q = world.random_in(robot, rng)
         said = solver.judge(robot.fk(q), q, obstacles=points)
         least = min(said.clearance, said.self_distance)
         assert judge.holds(q) == (least >= 0)
-        assert judge.clearance() == pytest.approx(least, abs=1e-9)
+        assert judge.clearance() <= least + 1e-9
+        if not robot.occupancy.pieces:
+            assert judge.clearance() == pytest.approx(least, abs=1e-9)
         touching += least < 0
     assert 0 < touching < 20
     assert not judge.holds(robot.upper + 1e-3)

@@ -103,17 +103,28 @@ def recheck(
 def hull_clearance(
     occupancy: pdoik.Occupancy, poses: Mapping[str, FloatArray], points: FloatArray
 ) -> float:
-    """The least over all hulls and points, see Verdict; of a link with capsules only these [m]."""
+    """The least over all hulls and points, see Verdict; of a link with capsules only these [m].
+
+    What is in a capsule is as far from its link's pieces as the nearest one's planes say.
+    """
     centres = points[:, :3]
     radii = points[:, 3] if points.shape[1] == 4 else np.zeros(len(points))
 
     def place(link: str, local: Sequence[float]) -> FloatArray:
         return moved(np.array(local), poses[link])
 
-    distances = [
-        to_segment(centres, place(link, a), place(link, b)) - radius
-        for link, a, b, radius, *_ in occupancy.capsules
-    ]
+    pieces: dict[str, list[FloatArray]] = {}
+    for link, vertices, triangles, _ in occupancy.pieces:
+        pieces.setdefault(link, []).append(np.array(vertices)[np.array(triangles)])
+    distances = []
+    for link, a, b, radius, *_ in occupancy.capsules:
+        gaps = to_segment(centres, place(link, a), place(link, b)) - radius
+        inside = gaps < radii
+        if inside.any() and link in pieces:
+            local = moved(centres[inside], np.linalg.inv(poses[link]))
+            off = np.min([_above(local, faces) for faces in pieces[link]], axis=0)
+            gaps[inside] = np.maximum(gaps[inside], off)
+        distances.append(gaps)
     closer = {capsule[0] for capsule in occupancy.capsules}
     distances += [
         np.linalg.norm(centres - place(link, center), axis=1) - radius
@@ -131,6 +142,15 @@ def hull_clearance(
             gaps[near] = spheroid_distance(centres[near], *foci, semi_major)
         distances.append(gaps)
     return min((float((gaps - radii).min()) for gaps in distances), default=np.inf)
+
+
+def _above(points: FloatArray, faces: FloatArray) -> FloatArray:
+    """Of points (N, 3) over the highest plane of a convex surface's triangles, (N,) [m]."""
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    normals, corners = normals[lengths > 0] / lengths[lengths > 0, None], faces[lengths > 0, 0]
+    heights = points @ normals.T - np.einsum("fi,fi->f", normals, corners)
+    return np.asarray(heights.max(axis=1))
 
 
 def spheroid_distance(

@@ -59,7 +59,7 @@ class PdoikCapsules(PdoikDefault):
     """The default method on the shipped robot as a user gets it: capsules, kept off itself."""
 
     name = "pdoik, capsules"
-    changes: ClassVar = {"self_collision": None, "exact_contact": False}
+    changes: ClassVar = {"self_collision": None}
 
     def robot(self, arm: Arm) -> pdoik.Robot:
         return pdoik.Robot.builtin(arm.name)

@@ -15,6 +15,16 @@ MARGIN = 1e-4  # that peers are asked to keep: their distances hold to a toleran
 _INERTIA = {"ixx": "1", "iyy": "1", "izz": "1", "ixy": "0", "ixz": "0", "iyz": "0"}
 
 
+def by_capsules(name: str) -> pdoik.Robot:
+    """A shipped robot without pieces of its links, which peers are not given."""
+    robot = pdoik.Robot.builtin(name)
+    own = robot.occupancy
+    robot.occupancy = pdoik.Occupancy(
+        spheres=own.spheres, spheroids=own.spheroids, capsules=own.capsules
+    )
+    return robot
+
+
 class Joint(NamedTuple):
     """As the description has it."""
 

@@ -10,7 +10,7 @@ import numpy as np
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.goals import five, grasps, hands, regions
-from bench.ik.goals.peers.body import Body
+from bench.ik.goals.peers.body import Body, by_capsules
 from bench.ik.goals.peers.judge import Judge
 from bench.ik.goals.peers.problems import STARTS, STARTS_OF_HANDS, Answer, Peer, Region
 from bench.ik.goals.world import POSITION, angle, random_in, shipped
@@ -70,7 +70,7 @@ def of_hands(job: Mapping[str, Any]) -> Cases:
 
 def of_regions(job: Mapping[str, Any]) -> Cases:
     """Targets of the row `regions`, kind by kind."""
-    robot = pdoik.Robot.builtin("panda")
+    robot = by_capsules("panda")
     tip = robot.tip_links[0]
     body = Body(robot=robot, urdf=shipped("panda").read_text(), tips=(tip,))
     judge = Judge(body)
@@ -116,7 +116,7 @@ def region_of(kind: str, tip: str, T: FloatArray) -> Region:
 
 def of_grasps(job: Mapping[str, Any]) -> Cases:
     """Scenes of the row `grasps`."""
-    robot = pdoik.Robot.builtin("panda")
+    robot = by_capsules("panda")
     tip = robot.tip_links[0]
     rng, drawn = np.random.default_rng([job["seed"], 1, job["index"]]), _rng_of_starts(job)
     body = Body(
