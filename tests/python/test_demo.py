@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 import pdoik
 from bench.ik import demo
+from bench.ik.goals.peers.body import by_capsules
 from bench.ik.judges import recheck
 from references import PinocchioRobot
 
@@ -106,11 +107,7 @@ def touches(robot: pdoik.Robot, q: np.ndarray, scan: np.ndarray) -> bool:
 def test_nothing_it_calls_solved_touches_the_scan(
     robot: pdoik.Robot, chain: object, rng: np.random.Generator, leaf: float | None
 ) -> None:
-    robot = pdoik.Robot.builtin(robot.name)
-    own = robot.occupancy  # without the pieces, which `touches` does not know
-    robot.occupancy = pdoik.Occupancy(
-        spheres=own.spheres, spheroids=own.spheroids, capsules=own.capsules
-    )
+    robot = by_capsules(robot.name)  # which `touches` knows
     solver = pdoik.Solver(robot, pdoik.Options(max_time=1.0))
     models = demo.primitive_models()
     rows = [demo.solve_one(solver, chain, models, 9, leaf, rng) for _ in range(20)]

@@ -53,18 +53,26 @@ def fit_pieces(link: str, triangles: FloatArray, tolerance: float = TOLERANCE) -
         capsules then say alone what it touches.
     """
     beyond = Beyond(triangles)
+    if len(beyond.parts) > MOST_PIECES:
+        return []
+    largest_first = sorted(beyond.parts, key=len, reverse=True)
+    parts = [(part, _piece(link, part.reshape(-1, 3), beyond)) for part in largest_first]
     for times in _COARSER:
-        pieces = _within(link, beyond, times * tolerance)
+        pieces = _within(link, parts, beyond, times * tolerance)
         if pieces is not None:
             return pieces
     return []
 
 
-def _within(link: str, beyond: Beyond, tolerance: float) -> list[Piece] | None:
-    """Pieces within a tolerance; None if it takes too many, or one is too thin for a hull."""
+def _within(
+    link: str, parts: list[tuple[FloatArray, Piece | None]], beyond: Beyond, tolerance: float
+) -> list[Piece] | None:
+    """Pieces within a tolerance, of parts and the hull of each, if it has one.
+
+    None if it takes too many, or one is too thin for a hull.
+    """
     pieces: list[Piece] = []
-    for part in sorted(beyond.parts, key=len, reverse=True):
-        whole = _piece(link, part.reshape(-1, 3), beyond)
+    for part, whole in parts:
         found: list[Piece] | None
         if whole is not None and whole.tolerance <= tolerance:
             found = [whole]

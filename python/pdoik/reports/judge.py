@@ -78,8 +78,8 @@ class Judge:
         wide = [(link, p, link, p, radius) for link, p, radius in occupancy.spheres]
         wide += occupancy.spheroids
         only_look = wide_hulls(robot)  # those around capsules
-        hulls = [(*hull, 0.0, False) for k, hull in enumerate(wide) if k not in only_look]
-        hulls += [(link, a, link, b, r, over, True) for link, a, b, r, over in occupancy.capsules]
+        hulls = [(*hull, False) for k, hull in enumerate(wide) if k not in only_look]
+        hulls += [(link, a, link, b, r, True) for link, a, b, r, _ in occupancy.capsules]
         self._pieces: dict[str, list[tuple[Any, Any]]] = {}  # of links that they decide for
         for link, vertices, triangles, _ in occupancy.pieces if options.exact_contact else ():
             self._pieces.setdefault(link, []).append((np.array(vertices), np.array(triangles)))
@@ -90,7 +90,7 @@ class Judge:
         self._keeps_off_itself = options.keeps_off_itself(robot)
         capsules = [
             Capsule(link, a, b, size)
-            for link, a, other, b, size, _, swept in hulls
+            for link, a, other, b, size, swept in hulls
             if swept or (link == other and a == b)
         ]
         if self._keeps_off_itself and len(capsules) == len(hulls):
@@ -125,12 +125,7 @@ class Judge:
                     return False
             return True
 
-        counted = []
-        for link_a, a, link_b, b, size, _, swept in hulls:
-            hull = (link_a, a, link_b, b)
-            if self.options.base_collision or not stands_still(hull):
-                counted.append((*hull, size, swept))
-        return counted
+        return [hull for hull in hulls if self.options.base_collision or not stands_still(hull)]
 
     @np.errstate(over="ignore", invalid="ignore")
     def __call__(
@@ -169,7 +164,7 @@ class Judge:
         ]
         mass = self._mass_box(asked, poses)
         nothing = (None, None, False)
-        clearance, room, by_pieces = self._clearance(self._hulls, poses, obstacles) or nothing
+        clearance, room, by_pieces = self._clearance(poses, obstacles) or nothing
         own = None if self._self_distance is None else self._self_distance(poses)
         self_distance, self_room = own or (None, None)
         figures: dict[str, Any] = {
@@ -255,10 +250,7 @@ class Judge:
         ]
 
     def _clearance(
-        self,
-        hulls: list[tuple[Any, ...]],
-        poses: Mapping[str, FloatArray],
-        obstacles: Obstacles,
+        self, poses: Mapping[str, FloatArray], obstacles: Obstacles
     ) -> tuple[float, float, bool] | None:
         """Least over hulls and obstacles, and beyond what is wanted of the two [m].
 
@@ -268,7 +260,7 @@ class Judge:
         if any(what.startswith(("clearance", "what links")) for what in self.unjudged):
             return None
         least, room, by_pieces = np.inf, np.inf, False
-        for link_a, a, link_b, b, size, swept in hulls:
+        for link_a, a, link_b, b, size, swept in self._hulls:
             A, B = (poses[link] @ [*p, 1.0] for link, p in ((link_a, a), (link_b, b)))
             links = sorted({link_a, link_b})
             wanted = self._wanted.of(links, ["points"], self.options.clearance)
