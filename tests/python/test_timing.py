@@ -505,7 +505,7 @@ def test_a_trajectory_is_judged_again_all_along() -> None:
     assert 0.0 < clear.self_distance < 1.0
     assert clear.limit_violation == 0.0
     half = done.sample(done.duration / 2)[0]
-    point = robot.fk(half)[:3, 3]
+    point = (robot.fk(half) @ [0.0, 0.0, -0.03, 1.0])[:3]  # inside the flange
     touched = done.recheck(solver, obstacles=point[None])
     assert not touched.success
     assert touched.clearance < 0.0
