@@ -310,8 +310,12 @@ void HullModel::give_pieces(int link, Hull& hull) {
   }
 }
 
-HullModel::HullModel(const Robot& robot, bool with_fixed, bool with_pieces) {
-  if (with_pieces) pieces = std::make_shared<LinkPieces>(robot);
+HullModel::HullModel(const Robot& robot)
+    : HullModel(robot, true, std::make_shared<LinkPieces>(robot)) {}
+
+HullModel::HullModel(const Robot& robot, bool with_fixed,
+                     std::shared_ptr<const LinkPieces> pieces_in)
+    : pieces(std::move(pieces_in)) {
   std::vector<Hull> hulls;
   const auto attach = [&](const std::string& link, const Eigen::Vector3d& xyz) {
     const int index = robot.link_index(link);

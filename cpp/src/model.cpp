@@ -76,14 +76,20 @@ std::ptrdiff_t dimensions(const Goal& goal, bool whole) {
   return position;
 }
 
+HullModel whole_of(const Robot& robot, const Options& options, const HullModel& hulls) {
+  if (!options.keeps_off_itself(robot)) return {};
+  return options.base_collision ? hulls : HullModel(robot, true, hulls.pieces);
+}
+
 }  // namespace
 
 Model::Model(const Robot& robot_in, const Options& options_in)
     : robot(robot_in),
       options(options_in.sized_for(robot)),
-      hulls(robot, options.base_collision, options.exact_contact),
-      whole(options.keeps_off_itself(robot) ? HullModel(robot, true, options.exact_contact)
-                                            : HullModel()),
+      hulls(robot, options.base_collision,
+            options.exact_contact ? std::make_shared<LinkPieces>(robot)
+                                  : std::make_shared<LinkPieces>()),
+      whole(whole_of(robot, options, hulls)),
       matters(joints_that_matter(robot, hulls, options.balance.wanted())),
       turns(turns_of(robot)),
       sequence(robot.dof(), options.seed),

@@ -24,7 +24,7 @@ from bench.ik.problems.families import FAMILIES
 from bench.ik.problems.held import HeldRobots, told_by_user
 from bench.ik.problems.loaders import read_problems
 from bench.ik.problems.make import problems_of, with_valid_configuration
-from bench.ik.problems.methods import SPACING, Method, usual_way
+from bench.ik.problems.methods import LEAF, SPACING, Method, usual_way
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import Meshes, RobotFiles, robot_files
 from bench.ik.problems.trials import COLUMNS, Trial, cells, row_of
@@ -71,6 +71,9 @@ def run(
     spacing: Annotated[
         float, typer.Option(min=0.05, help="Of the points that clouds are made of, in mm.")
     ] = 1e3 * SPACING,
+    leaf: Annotated[
+        float, typer.Option(min=0.1, help="Of the grid that thins clouds, in mm.")
+    ] = 1e3 * LEAF,
     starts: Annotated[
         int, typer.Option(min=0, help="Random ones that each problem is solved from; 0 for none.")
     ] = 0,
@@ -105,7 +108,9 @@ def run(
                     task = progress.add_task(f"{name} {way}", total=len(problems))
                     done: dict[float, list[Trial]] = {seconds: [] for seconds in budgets}
                     for held, some in robots.groups(problems):
-                        answering = Method(way, held.robot, budgets, some[0], spacing / 1e3)
+                        answering = Method(
+                            way, held.robot, budgets, some[0], spacing / 1e3, leaf / 1e3
+                        )
                         trials = run_trials(
                             some,
                             answering,

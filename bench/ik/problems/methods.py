@@ -34,6 +34,7 @@ class Method:
             whether the tool has to. Of shapes it is said which the tool may touch; a cloud has no
             names, so what is near the target may be touched there.
         spacing: Of the points of a surface that clouds are made of [m].
+        leaf: Of the grid that thins them [m].
 
     Raises:
         MethodError: The way is unknown.
@@ -46,11 +47,12 @@ class Method:
         budgets: Sequence[float],
         like: Problem | None = None,
         spacing: float = SPACING,
+        leaf: float = LEAF,
     ) -> None:
         if way not in WAYS:
             raise MethodError(f"method {way!r} is not one of {sorted(WAYS)}")
         self.name, self.budgets = way, tuple(budgets)
-        self._prepare = WAYS[way](robot, spacing)
+        self._prepare = WAYS[way](robot, spacing, leaf)
         contacts = like.contacts if like else {}
         may_touch = {link for link, _ in like.allowed} if like else set()
         tool_touches = bool((may_touch & set(robot.link_names)) - {robot.base_link, *contacts})
@@ -102,27 +104,29 @@ def _goals(problem: Problem) -> Any:
 
 
 def surface_cloud(
-    solids: Sequence[Solid], sink: bool = False, spacing: float = SPACING
+    solids: Sequence[Solid], sink: bool = False, spacing: float = SPACING, leaf: float = LEAF
 ) -> FloatArray:
     """Balls that hold the solids' surfaces, (N, 4): one for each cell of a grid [m].
 
     Sunk into the solids they stand out less.
     """
     points = np.concatenate([solid.sample(spacing) for solid in solids])
-    balls = pdoik.voxel_downsample(points, LEAF, radii=True, solid=sink)
+    balls = pdoik.voxel_downsample(points, leaf, radii=True, solid=sink)
     balls[:, 3] += spacing / np.sqrt(2)  # as far as the surface may be from a point of the grid
     return balls
 
 
-def _cloud(_: pdoik.Robot, spacing: float, sink: bool = False) -> Callable[[Problem], Any]:
+def _cloud(
+    _: pdoik.Robot, spacing: float, leaf: float, sink: bool = False
+) -> Callable[[Problem], Any]:
     def scene(problem: Problem) -> pdoik.Cloud | None:
         solids = problem.solids
-        return pdoik.Cloud(surface_cloud(solids, sink, spacing)) if solids else None
+        return pdoik.Cloud(surface_cloud(solids, sink, spacing, leaf)) if solids else None
 
     return scene
 
 
-def _shapes(robot: pdoik.Robot, _: float) -> Callable[[Problem], Any]:
+def _shapes(robot: pdoik.Robot, *_: float) -> Callable[[Problem], Any]:
     def scene(problem: Problem) -> pdoik.Scene:
         allowed = [pair for pair in problem.allowed if pair[0] in robot.link_names]
         for solid in problem.solids:

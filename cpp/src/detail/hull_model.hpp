@@ -71,8 +71,10 @@ std::pair<int, int> links_of_source(const Robot& robot, int source);
 /// apart.
 struct HullModel {
   /// @param with_fixed  Whether hulls that no joint moves are any.
-  /// @param with_pieces  Whether links' own pieces count where there are any.
-  explicit HullModel(const Robot& robot, bool with_fixed = true, bool with_pieces = true);
+  /// @param pieces  Of the robot's links, which decide where capsules touch; may be none.
+  HullModel(const Robot& robot, bool with_fixed, std::shared_ptr<const LinkPieces> pieces);
+  /// With all hulls, and pieces of its own.
+  explicit HullModel(const Robot& robot);
   /// None.
   HullModel() = default;
 
@@ -104,7 +106,7 @@ struct HullModel {
   std::vector<AttachedPoint> points;
   std::vector<Hull> moving, fixed;
   std::vector<CapsuleBlock> blocks;
-  std::shared_ptr<const LinkPieces> pieces = std::make_shared<LinkPieces>();
+  std::shared_ptr<const LinkPieces> pieces = std::make_shared<LinkPieces>();  ///< never null
   std::vector<int> piece_ids;  ///< of hulls, one after the other
   /// No obstacle farther than this and twice its radius from `reach_centre` can touch a moving
   /// hull; infinite if unknown.
