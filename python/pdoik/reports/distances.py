@@ -165,7 +165,7 @@ def _segment_to_mesh(a: FloatArray, b: FloatArray, corners: FloatArray) -> float
         for end, height in zip((a, b), above, strict=True)
     ]
     least = float(min(*edges, *ends))
-    return -least if abs(_windings(a, A, B, C)) > 0.5 else least
+    return -least if abs(windings(a, A, B, C)) > 0.5 else least
 
 
 def _segments_apart(
@@ -194,7 +194,7 @@ def _segments_apart(
     return np.asarray(np.min([lines, *of_ends, *of_others], axis=0))
 
 
-def _windings(p: FloatArray, A: FloatArray, B: FloatArray, C: FloatArray) -> float:
+def windings(p: FloatArray, A: FloatArray, B: FloatArray, C: FloatArray) -> float:
     """How often triangles go round a point (van Oosterom and Strackee, 1983)."""
     a, b, c = A - p, B - p, C - p
     la, lb, lc = (np.linalg.norm(each, axis=1) for each in (a, b, c))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,15 +12,16 @@ from .._core import ContactRule, Robot
 from ..options import Options
 from .call import Call
 from .contacts import Wanted
-from .distances import above_faces, segment_to_shape, to_capsule, to_hull, to_mesh
+from .distances import segment_to_shape, to_capsule, to_hull
 from .kinematics import Kinematics
+from .link_bodies import LinkBodies
 from .mass import MassBox
 from .obstacles import Obstacles
 from .requirements import Requirement, requirements
 from .self_distance import Capsule, SelfDistance
 from .values import FloatArray
 
-_BY_PIECES = "contact of shapes and links within capsules, where links' own pieces decide"
+_OF_FIELDS = "contact of distance fields within capsules, where links' own pieces decide"
 ROUNDING = 1e-8  # what two ways to compute one figure may differ by [m] or [rad]
 
 
@@ -80,9 +81,7 @@ class Judge:
         only_look = wide_hulls(robot)  # those around capsules
         hulls = [(*hull, False) for k, hull in enumerate(wide) if k not in only_look]
         hulls += [(link, a, link, b, r, True) for link, a, b, r, _ in occupancy.capsules]
-        self._pieces: dict[str, list[tuple[Any, Any]]] = {}  # of links that they decide for
-        for link, vertices, triangles, _ in occupancy.pieces if options.exact_contact else ():
-            self._pieces.setdefault(link, []).append((np.array(vertices), np.array(triangles)))
+        self._own = LinkBodies(occupancy, options)
         self._hulls = self._counted(hulls)
         self._wanted = Wanted(robot.ignored_pairs, contacts)
         self._self_distance: SelfDistance | None = None
@@ -95,7 +94,12 @@ class Judge:
         ]
         if self._keeps_off_itself and len(capsules) == len(hulls):
             self._self_distance = SelfDistance(
-                robot, self.kinematics, capsules, self._wanted, options.self_clearance
+                robot,
+                self.kinematics,
+                capsules,
+                self._wanted,
+                options.self_clearance,
+                self._own,
             )
         self.unjudged = self._unjudged(carries)
 
@@ -166,7 +170,9 @@ class Judge:
         nothing = (None, None, False)
         clearance, room, by_pieces = self._clearance(poses, obstacles) or nothing
         own = None if self._self_distance is None else self._self_distance(poses)
-        self_distance, self_room = own or (None, None)
+        self_distance, self_room, self_by_pieces = own or nothing
+        both = {"clearance": by_pieces, "self_distance": self_by_pieces}
+        exact = {name for name, is_so in both.items() if is_so}
         figures: dict[str, Any] = {
             "position_error": max((position for _, position, _ in errors), default=0.0),
             "rotation_error": max((rotation for *_, rotation in errors), default=0.0),
@@ -179,7 +185,7 @@ class Judge:
         }
         faults = [
             *_false_claims(answer, errors),
-            *self._faults(answer, figures, obstacles, by_pieces=by_pieces),
+            *self._faults(answer, figures, exact),
         ]
         if mass is not None and np.abs(mass[0] - answer["center_of_mass"]).max() > ROUNDING:
             at = answer["center_of_mass"].tolist()
@@ -191,9 +197,7 @@ class Judge:
         self,
         answer: Mapping[str, Any],
         found: Mapping[str, Any],
-        obstacles: Obstacles,
-        *,
-        by_pieces: bool,
+        by_pieces: Set[str],
     ) -> list[str]:
         """Figures that are not what is said, and claims that they do not bear out."""
         options, faults, claims = self.options, [], _claim(answer)
@@ -217,12 +221,7 @@ class Judge:
             distance, said, title = found[name], answer[name], name.replace("_", " ")
             if distance is None:
                 continue
-            unsure = self._pieces and (name == "self_distance" or obstacles.shapes)
-            if unsure and found[beyond] < 0.0:  # by capsules; the links are no nearer
-                if _BY_PIECES not in self.unjudged:
-                    self.unjudged += (_BY_PIECES,)
-                if said < distance - ROUNDING and distance > 0.0:
-                    faults.append(f"says {title} is {said:.9g} m; it is {distance:.9g} at least")
+            if name == "clearance" and found[beyond] < 0.0 and _OF_FIELDS in self.unjudged:
                 continue
             if claims and found[beyond] < -options.clearance_tolerance - ROUNDING:
                 faults.append(
@@ -232,7 +231,7 @@ class Judge:
             told = _told_up_to(answer, options)  # and more as that
             far = min(distance, said) >= told - ROUNDING
             near = np.isclose(said, distance, rtol=ROUNDING, atol=ROUNDING)
-            more = by_pieces and name == "clearance" and said > distance
+            more = name in by_pieces and said > distance
             both_off = min(distance, said) > ROUNDING  # depth can be measured in several ways
             if (both_off and not far and not near and not more) or (
                 max(distance, said) > ROUNDING and min(distance, said) < -ROUNDING
@@ -267,10 +266,10 @@ class Judge:
             if wanted > -np.inf:
                 far = max(least, room + wanted)
                 near = to_hull(obstacles.points, A[:3], B[:3], size, swept, far)
-                if near < wanted and link_a in self._pieces:
+                if near < wanted and link_a in self._own:
                     balls = obstacles.points
                     apart = to_capsule(balls[:, :3], A[:3], B[:3], size) - balls[:, 3]
-                    own = self._to_pieces(link_a, poses, balls[apart < wanted], wanted)
+                    own = self._own.to_balls(link_a, poses, balls[apart < wanted], wanted)
                     near = min(max(near, own), float(apart[apart >= wanted].min(initial=np.inf)))
                     by_pieces = True
                 least, room = min(least, near), min(room, near - wanted)
@@ -281,22 +280,14 @@ class Judge:
                 if wanted > -np.inf:
                     far = max(least, room + wanted)
                     near = segment_to_shape(A[:3], B[:3], shape, far + size) - size
+                    if near < wanted and link_a in self._own:
+                        by_pieces = True
+                        if shape.kind != "distance_field":
+                            near = max(near, self._own.to_shape(link_a, poses, shape, wanted))
+                        elif _OF_FIELDS not in self.unjudged:
+                            self.unjudged += (_OF_FIELDS,)
                     least, room = min(least, near), min(room, near - wanted)
         return least, room, by_pieces
-
-    def _to_pieces(
-        self, link: str, poses: Mapping[str, FloatArray], balls: FloatArray, wanted: float
-    ) -> float:
-        """Least distance of balls (N, 4) from a link itself; where it is enough, no more [m]."""
-        T, radii = poses[link], balls[:, 3]
-        local = (balls[:, :3] - T[:3, 3]) @ T[:3, :3]
-        least = np.inf
-        for vertices, triangles in self._pieces[link]:
-            above = above_faces(local, vertices, triangles).max(axis=1) - radii
-            least = min(least, float(above[above >= wanted].min(initial=np.inf)))
-            for k in np.flatnonzero(above < wanted):
-                least = min(least, to_mesh(vertices, triangles)(local[k]) - radii[k])
-        return least
 
 
 def _told_up_to(answer: Mapping[str, Any], options: Options) -> float:

@@ -9,7 +9,9 @@ import numpy as np
 
 from .._core import Robot
 from .contacts import Wanted
+from .convex import apart
 from .kinematics import Kinematics
+from .link_bodies import LinkBodies
 from .robot import JOINT_TYPES
 from .values import FloatArray
 
@@ -37,6 +39,7 @@ class SelfDistance:
         capsules: Its hulls.
         wanted: What distance is wanted of two links.
         default: Of those of which nothing is said [m].
+        own: Links themselves, which decide where capsules are nearer than wanted.
     """
 
     def __init__(
@@ -46,9 +49,10 @@ class SelfDistance:
         capsules: Sequence[Capsule],
         wanted: Wanted,
         default: float,
+        own: LinkBodies,
     ) -> None:
         _, links, joints, base, *_ = robot.__getstate__()
-        self.capsules = capsules
+        self.capsules, self._own = capsules, own
         body = {link[0]: link[0] for link in links}  # the links that are rigid to each other
         for joint in joints:
             if JOINT_TYPES[joint[1]] == "fixed":
@@ -104,10 +108,13 @@ class SelfDistance:
             bodies.append(at)
         return bodies
 
-    def __call__(self, poses: Mapping[str, FloatArray]) -> tuple[float, float]:
-        """The least of them, and the least beyond what is wanted; infinite without any [m]."""
+    def __call__(self, poses: Mapping[str, FloatArray]) -> tuple[float, float, bool]:
+        """The least of them, and the least beyond what is wanted; infinite without any [m].
+
+        And whether links themselves said so.
+        """
         if not self._pairs:
-            return np.inf, np.inf
+            return np.inf, np.inf, False
         ends = np.array(
             [
                 [(poses[each.link] @ [*point, 1.0])[:3] for point in (each.a, each.b)]
@@ -117,16 +124,23 @@ class SelfDistance:
         i, j = np.array(self._pairs).T
         radii = np.array([each.radius for each in self.capsules])
         middle, half = ends.mean(axis=1), 0.5 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        apart = np.linalg.norm(middle[i] - middle[j], axis=1)
-        bound = apart - (half + radii)[i] - (half + radii)[j]  # it is no less
+        away = np.linalg.norm(middle[i] - middle[j], axis=1)
+        bound = away - (half + radii)[i] - (half + radii)[j]  # it is no less
         wanted = np.array(self._wanted)
         least = room = np.inf
+        own: dict[tuple[str, str], float] = {}  # of two links
         for k in np.argsort(bound - np.maximum(wanted, 0.0)):
             if bound[k] >= least and bound[k] - wanted[k] >= room:
                 continue
             gap = float(_between(*ends[i[k]], *ends[j[k]]) - radii[i[k]] - radii[j[k]])
+            if self._own and gap < wanted[k]:
+                links = self.capsules[i[k]].link, self.capsules[j[k]].link
+                if links not in own:
+                    a, b = (self._own(link, poses) for link in links)
+                    own[links] = min(apart(x, y, float(wanted[k])) for x in a for y in b)
+                gap = max(gap, own[links])
             least, room = min(least, gap), min(room, gap - float(wanted[k]))
-        return least, room
+        return least, room, bool(own)
 
 
 def _between(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:
