@@ -73,10 +73,11 @@ class Atoms:
         """Indices of bare atoms that all go together, with the seed, many of them."""
         left = np.flatnonzero(self.together[seed] & bare)
         left = left[left != seed]
-        among = self.together[left][:, left]
+        among = self.together[left].take(left, axis=1)
         chosen = [seed]
         while len(left):
-            order = np.argsort(among @ -self.weights[left], kind="stable")
+            # As numbers, that BLAS multiplies: ten times as fast as truth values.
+            order = np.argsort(among.astype(np.float64) @ -self.weights[left], kind="stable")
             kept = np.ones(len(left), dtype=bool)
             for atom in order:
                 if kept[atom]:
@@ -85,7 +86,7 @@ class Atoms:
                     kept[atom] = False
                     if np.count_nonzero(kept) < 0.8 * len(left):
                         break
-            left, among = left[kept], among[kept][:, kept]
+            left, among = left[kept], among[kept].compress(kept, axis=1)
         return np.array(chosen)
 
 
