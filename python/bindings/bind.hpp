@@ -21,6 +21,7 @@ void bind_tracker(py::module_& module);
 void bind_timing(py::module_& module);
 void bind_lagrangian(py::module_& module);
 void bind_point_cloud(py::module_& module);
+void bind_shrink_wrap(py::module_& module);
 
 /// warnings.warn(message, pdoik.ObstacleWarning), likewise.
 void warn_of_obstacles(const std::string& message);

@@ -21,6 +21,7 @@ PYBIND11_MODULE(_core, module) {
   bind_timing(module);
   bind_lagrangian(module);
   bind_point_cloud(module);
+  bind_shrink_wrap(module);
   module.def("simd_name", &pdoik::simd_name,
              R"(The instructions that this process's kernels use: "avx512", "avx2" or "baseline".
 

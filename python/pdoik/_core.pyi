@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pdoik._addresses
 import typing
-__all__: list[str] = ['Attachment', 'AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'ContactRule', 'Derivatives', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'MotionResult', 'ObstacleClearance', 'Occupancy', 'Options', 'PathEnd', 'PathResult', 'Result', 'Robot', 'Scene', 'Shape', 'Solutions', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'fastest_squares', 'load_srdf_contacts', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
+__all__: list[str] = ['Attachment', 'AugmentedLagrangianOptions', 'BalanceOptions', 'BatchResult', 'Cloud', 'ContactRule', 'Derivatives', 'DhRow', 'Goal', 'Lagrangian', 'LatencyHistogram', 'LbfgsOptions', 'LevenbergMarquardtOptions', 'MotionResult', 'ObstacleClearance', 'Occupancy', 'Options', 'PathEnd', 'PathResult', 'Result', 'Robot', 'Scene', 'Shape', 'ShrinkWrap', 'Solutions', 'Solver', 'TouchOptions', 'Tracker', 'TrackerResult', 'fastest_squares', 'load_srdf_contacts', 'load_srdf_pairs', 'pairs_always_touching', 'pairs_touching_at', 'simd_name', 'voxel_downsample']
 class Occupancy:
     """
     What a robot fills: hulls fixed to its links that obstacle points must stay out of.
@@ -2382,6 +2382,48 @@ class Lagrangian:
     def size(self) -> int:
         """
         The number of variables.
+        """
+class ShrinkWrap:
+    """
+    Moves capsules so that they hold points and what sticks out of a solid is least.
+    
+    Descends by Adam on an augmented Lagrangian of
+        min  integral over the union, outside the solid, of f(distance)
+        such that no point is outside the union,
+    f = 1 + (distance / worst)^6, which punishes what sticks out farthest. The integral's derivative is cheap
+    (Reynolds): where the union's free surface moves outwards by dn it grows by f dn dA. Capsules are rows of
+    their ends a and b and their radius, (K, 7) [m]. The same input gives the same result.
+    """
+    def __init__(self, *, depth: numpy.typing.ArrayLike, origin: numpy.typing.ArrayLike, edge: typing.SupportsFloat | typing.SupportsIndex, points: numpy.typing.ArrayLike, worst: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Args:
+            depth: Of a grid's places below the surface, < 0 outside, (X, Y, Z) [m].
+            origin: The first place [m].
+            edge: Between neighbours [m].
+            points: What is to be held, (P, 3) [m].
+            worst: The distance from where f grows fast [m].
+        
+        Raises:
+            ValueError: A shape is wrong, an edge or worst is not positive, or something is NaN or infinite.
+        """
+    def lack(self, capsules: numpy.typing.ArrayLike, multiplier: typing.SupportsFloat | typing.SupportsIndex, rho: typing.SupportsFloat | typing.SupportsIndex) -> tuple[float, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 7]"]]:
+        """
+        The points' part of the Lagrangian, and its gradient, (K, 7): the sum over points of
+        
+            (max(0, multiplier + rho g)^2 - multiplier^2) / (2 rho),
+        
+        g being how far each is outside the nearest capsule [m].
+        """
+    def move(self, capsules: numpy.typing.ArrayLike, steps: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 7]"]:
+        """
+        The capsules after so many steps, (K, 7), which leave points outside by some tenths of a millimetre.
+        
+        Raises:
+            ValueError: A capsule is not finite or a radius not positive, as what follows does.
+        """
+    def outside_gradient(self, capsules: numpy.typing.ArrayLike, turn: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 7]"]:
+        """
+        The integral's derivative, (K, 7) [m^2], from 64 points on each capsule, which `turn` in [0, 1) shifts.
         """
 def fastest_squares(s: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], most: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """

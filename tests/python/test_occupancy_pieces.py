@@ -132,6 +132,11 @@ def test_how_far_places_are_beyond_a_body_is_exact(turned: bool) -> None:
     low, high = np.array([-0.02, -0.02, -0.02]), np.array([0.22, 0.12, 0.07])
     places = np.random.default_rng(3).uniform(low, high, (4000, 3))
     out = beyond(places)
+    assert beyond.most(places) == out.max()
+    np.testing.assert_array_equal(beyond(places, more_than=5e-3), np.where(out > 5e-3, out, 0.0))
+    inner = places[out == 0.0]
+    assert len(inner) > 300
+    assert beyond.most(inner) == 0.0
     near = outside(places) < 0.05  # not nearer to the spike
     np.testing.assert_allclose(out[near], np.maximum(outside(places), 0.0)[near], atol=6e-5)
     if turned:

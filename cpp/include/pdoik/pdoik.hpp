@@ -28,6 +28,7 @@
 #include "pdoik/robot.hpp"
 #include "pdoik/shape.hpp"
 #include "pdoik/shapes.hpp"
+#include "pdoik/shrink_wrap.hpp"
 #include "pdoik/simd.hpp"
 #include "pdoik/solver.hpp"
 #include "pdoik/sunk_balls.hpp"

@@ -21,14 +21,15 @@ _POINTS = 6000  # of the surface where overhangs are measured in between
 _INNER = 300  # points inside that are asked for while capsules move
 _FIRST_SWELL = 0.85  # how far the first set sticks out, over the most that is allowed
 _MOST_ROUNDS, _MOST_PROOFS = 30, 6
-_FIRST_STEPS, _NEXT_STEPS, _DROP_STEPS = 240, 120, 90
+_FIRST_STEPS, _NEXT_STEPS, _DROP_STEPS = 240, 120, 120
 _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
 _SWELLING = 0.15  # by a proof, of the aims, until one has told
 _CLOSE = 0.95  # of the aims, from where no more is left out after a proof
 _HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
-_PATIENCE = 2  # capsules whose loss is tried in vain before the rest stay
+_PATIENCE = 3  # capsules whose loss is tried in vain before a leap
+_LEAP = 0.06  # share of the capsules that it leaves out
 
 
 AIM = Overhang(mean=0.004, worst=0.015)
@@ -199,20 +200,29 @@ class _Fit:
         return best
 
     def _fewer(self, best: _Set) -> _Set:
-        """Ever fewer capsules as long as the aims hold; while they are far, several at a time."""
+        """Ever fewer capsules as long as the aims hold; while they are far, several at a time.
+
+        Where no one capsule can be spared, the worst place standing a little too far out, a leap
+        often gets past: some are left out at once, and the others move longer.
+        """
         in_vain: set[int] = set()
         haste = _HASTE
-        while best.score <= 1 and best.count > 1 and len(in_vain) < _PATIENCE:
-            order = [int(k) for k in np.argsort(self._losses(best.capsules)) if k not in in_vain]
-            if not order:
-                break
-            count = max(1, int(haste * (1 - best.score) * best.count))
+        while best.score <= 1 and best.count > 1:
+            order = [int(k) for k in np.argsort(self._losses(best.capsules))]
+            leaps = len(in_vain) >= min(_PATIENCE, best.count)
+            if leaps:
+                count, steps, haste = max(1, int(_LEAP * best.count)), _FIRST_STEPS, _HASTE
+            else:
+                count, steps = max(1, int(haste * (1 - best.score) * best.count)), _DROP_STEPS
+                order = [k for k in order if k not in in_vain]
             left = np.delete(np.arange(best.count), order[:count])
-            fewer = self._moved(best.capsules.take(left), _DROP_STEPS)
-            if fewer.score > 1 and count == 1:
-                fewer = self._moved(fewer.capsules, _DROP_STEPS)
+            fewer = self._moved(best.capsules.take(left), steps)
+            if fewer.score > 1 and count == 1 and not leaps:
+                fewer = self._moved(fewer.capsules, steps)
             if fewer.score <= 1:
                 best, in_vain = fewer, set()
+            elif leaps:
+                break
             elif count > 1:
                 haste /= 2
             else:

@@ -62,8 +62,7 @@ def _piece(
     Without corners where that atom's own hull stands out too far.
     """
     left = np.flatnonzero(bare)
-    middles = np.array([atoms.corners[k].mean(axis=0) for k in left])
-    seeds = left[farthest_points(middles, _SEEDS)]
+    seeds = left[farthest_points(atoms.middles[left], _SEEDS)]
     grown = [atoms.piece_from(int(seed), bare) for seed in seeds]
     chosen = max(grown, key=lambda one: float(atoms.weights[one].sum()))
     while True:
@@ -117,7 +116,8 @@ def _spared(
 
 def _any(of_points: NDArray[np.bool_], first: NDArray[np.int_]) -> NDArray[np.bool_]:
     """Of each atom, by those of its points, (A, D)."""
-    return np.logical_or.reduceat(of_points, first, axis=0)
+    bits = np.bitwise_or.reduceat(np.packbits(of_points, axis=1), first, axis=0)
+    return np.unpackbits(bits, axis=1, count=of_points.shape[1]).view(np.bool_)
 
 
 def _too_far(points: FloatArray, beyond: Beyond, tolerance: float) -> FloatArray:
@@ -126,8 +126,8 @@ def _too_far(points: FloatArray, beyond: Beyond, tolerance: float) -> FloatArray
     for spacing in _SPACINGS:
         count = int(np.clip(areas(surface).sum() / spacing**2, _FEWEST, _MOST))
         on, faces = spread(surface, count)
-        out = beyond(on)
-        far = np.flatnonzero(out > tolerance)
+        out = beyond(on, more_than=tolerance)
+        far = np.flatnonzero(out)
         if len(far):
             far = far[np.argsort(-out[far])]
             _, first = np.unique(faces[far], return_index=True)

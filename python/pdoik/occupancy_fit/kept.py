@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import _core
 from .._cache import cache_folder, is_turned_off
 from .._files import write_whole
 from .capsules import Capsule
@@ -68,8 +69,8 @@ def _digest(text: str) -> str:
 
 @cache
 def _method() -> bytes:
-    """What stands for the version of the fit: its text."""
-    digest = hashlib.sha256()
+    """What stands for the version of the fit: its text, and the compiled module that it calls."""
+    digest = hashlib.sha256(Path(_core.__file__).read_bytes())
     for file in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(file.read_bytes())
     return digest.digest()

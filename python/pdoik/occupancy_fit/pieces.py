@@ -119,7 +119,7 @@ def _piece(link: str, points: FloatArray, beyond: Beyond) -> Piece | None:
         return None
     surface = np.asarray(hull.triangles)
     count = int(np.clip(areas(surface).sum() / _SPACING**2, _FEWEST, _MOST))
-    out = float(beyond(spread(surface, count)[0]).max())
+    out = beyond.most(spread(surface, count)[0])
     return Piece(
         link,
         tuple((float(x), float(y), float(z)) for x, y, z in hull.vertices),

@@ -152,15 +152,15 @@ def _shrunk(need: AnyFloats, radius: FloatArray) -> FloatArray:
     In rounds, half of what is possible at a time, so that neighbors share what is to be gained.
     """
     radius = radius.copy()
-    need = np.ascontiguousarray(need.T)  # (K, N)
-    holds = need <= radius[:, None]
-    count = holds.sum(axis=0, dtype=np.int16)
+    held = [np.flatnonzero(need[:, k] <= radius[k]) for k in range(len(radius))]
+    needs = [need[at, k] for k, at in enumerate(held)]
+    count = np.bincount(np.concatenate(held), minlength=len(need))
     for last in [False] * _SHRINK_ROUNDS + [True]:
         for k in np.argsort(-radius):
-            alone = holds[k] & (count == 1)
-            least = float(need[k, alone].max(initial=0.0))
+            alone = needs[k][count[held[k]] == 1]
+            least = float(alone.max(initial=0.0))
             radius[k] = least if last else (least + radius[k]) / 2
-            still = (need[k] <= radius[k]) & (radius[k] > 0)
-            count += still.astype(np.int16) - holds[k]
-            holds[k] = still
+            still = (needs[k] <= radius[k]) & (radius[k] > 0)
+            count[held[k][~still]] -= 1
+            held[k], needs[k] = held[k][still], needs[k][still]
     return radius
