@@ -154,6 +154,7 @@ def _pool(processes: int) -> Iterator[ProcessPoolExecutor]:
 def _begin_worker() -> None:
     """Ends without a word at Ctrl-C, and with the process that started it, however that ends."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    os.environ.setdefault("IGL_NUM_THREADS", "1")  # libigl's, as it begins: processes are enough
     parent = multiprocessing.parent_process()
 
     def watch() -> None:
