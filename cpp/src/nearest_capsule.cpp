@@ -103,12 +103,12 @@ void PointGroups::bound() {
 
 void PointGroups::nearest(std::span<const Rod> rods, Eigen::ArrayXf& gap,
                           Eigen::ArrayXi& own) const {
-  constexpr float kFar = std::numeric_limits<float>::infinity();
-  gap.setConstant(size(), kFar);
+  constexpr float kNoGap = std::numeric_limits<float>::infinity();
+  gap.setConstant(size(), kNoGap);
   own.setConstant(size(), -1);
   const int count = static_cast<int>(rods.size());
   Eigen::ArrayXXf of_center(groups(), count);
-  Eigen::ArrayXf least = Eigen::ArrayXf::Constant(groups(), kFar);
+  Eigen::ArrayXf least = Eigen::ArrayXf::Constant(groups(), kNoGap);
   const PointRun centers{centers_.col(0).data(), centers_.col(1).data(), centers_.col(2).data(),
                          groups()};
   for (int k = 0; k < count; ++k) {
