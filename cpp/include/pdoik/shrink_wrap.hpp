@@ -33,8 +33,8 @@ class ShrinkWrap {
   /// an edge or worst is not positive, or something is NaN or infinite.
   ShrinkWrap(const DepthGrid& grid, const Eigen::Matrix<double, Eigen::Dynamic, 3>& points,
              double worst);
-  ShrinkWrap(ShrinkWrap&&) noexcept;
-  ShrinkWrap& operator=(ShrinkWrap&&) noexcept;
+  ShrinkWrap(ShrinkWrap&&) noexcept;             ///< moved, not copied
+  ShrinkWrap& operator=(ShrinkWrap&&) noexcept;  ///< moved, not copied
   ~ShrinkWrap();
 
   /// The capsules after so many steps, which leave points outside by some tenths of a millimetre.
