@@ -12,6 +12,11 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
       blocks_(model.blocks),
       pieces_(model.pieces),
       piece_ids_(model.piece_ids) {
+  for (const Capsule& capsule : robot.occupancy().capsules) {
+    const bool known = capsule.overhang > 0.0;
+    deepest_ = std::max(deepest_,
+                        known ? 2.0 * capsule.overhang : std::numeric_limits<double>::infinity());
+  }
   for (const AttachedPoint& point : model.points) body_of_point_.push_back(point.body);
   std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
   robot.body_poses(robot.mid_configuration(), T_base_body);

@@ -170,6 +170,7 @@ SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double
 }
 
 void SelfCollision::look_at_pieces(const Glance& pair, double than, Nearest& nearest) const {
+  if (capsules_.is_deep(nearest.distance)) return;
   const std::span<const int> ones = capsules_.pieces_at(pair.a, nearest.distance - pair.margin),
                              twos = capsules_.pieces_at(pair.b, nearest.distance - pair.margin);
   if (ones.empty() || twos.empty()) return;
