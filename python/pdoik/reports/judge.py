@@ -221,8 +221,6 @@ class Judge:
             distance, said, title = found[name], answer[name], name.replace("_", " ")
             if distance is None:
                 continue
-            if name == "clearance" and found[beyond] < 0.0 and _OF_FIELDS in self.unjudged:
-                continue
             if claims and found[beyond] < -options.clearance_tolerance - ROUNDING:
                 faults.append(
                     f"claims {claims}, but {title} is {distance:.4g} m, and of two things"
@@ -259,6 +257,7 @@ class Judge:
         if any(what.startswith(("clearance", "what links")) for what in self.unjudged):
             return None
         least, room, by_pieces = np.inf, np.inf, False
+        own_to: dict[tuple[str, int], float] = {}  # of links themselves to shapes
         for link_a, a, link_b, b, size, swept in self._hulls:
             A, B = (poses[link] @ [*p, 1.0] for link, p in ((link_a, a), (link_b, b)))
             links = sorted({link_a, link_b})
@@ -273,7 +272,7 @@ class Judge:
                     near = min(max(near, own), float(apart[apart >= wanted].min(initial=np.inf)))
                     by_pieces = True
                 least, room = min(least, near), min(room, near - wanted)
-            for shape in obstacles.shapes:
+            for n, shape in enumerate(obstacles.shapes):
                 if not swept and not (link_a == link_b and np.array_equal(a, b)):
                     return None
                 wanted = self._wanted.of(links, [shape.name], self.options.clearance)
@@ -281,11 +280,14 @@ class Judge:
                     far = max(least, room + wanted)
                     near = segment_to_shape(A[:3], B[:3], shape, far + size) - size
                     if near < wanted and link_a in self._own:
-                        by_pieces = True
-                        if shape.kind != "distance_field":
-                            near = max(near, self._own.to_shape(link_a, poses, shape, wanted))
-                        elif _OF_FIELDS not in self.unjudged:
-                            self.unjudged += (_OF_FIELDS,)
+                        if shape.kind == "distance_field":
+                            if _OF_FIELDS not in self.unjudged:
+                                self.unjudged += (_OF_FIELDS,)
+                            return None
+                        by_pieces, pair = True, (link_a, n)
+                        if pair not in own_to:  # for each of its capsules the same
+                            own_to[pair] = self._own.to_shape(link_a, poses, shape, wanted)
+                        near = max(near, own_to[pair])
                     least, room = min(least, near), min(room, near - wanted)
         return least, room, by_pieces
 
