@@ -287,7 +287,7 @@ constexpr double kTouching = 1e-10;
 constexpr int kMostSteps = 100;
 
 ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& still, int piece,
-                              double than) {
+                              double than, HowDeep how_deep) {
   const Difference difference(moving, T, still, piece);
   const double rounding = moving.rounding() + still.rounding(),
                touching = kTouching * difference.size(), far = std::max(than + rounding, 0.0);
@@ -310,6 +310,7 @@ ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& 
     const Vector3d normal = v / apart;
     return {apart - rounding, to_vec4(simplex.on_moving()), to_vec4(normal)};
   }
+  if (how_deep == HowDeep::Unknown && than >= 0.0) return {-rounding - touching, Vec4{}, Vec4{}};
   Polytope polytope;
   if (!polytope.begin(difference, simplex)) {
     // Of no thickness, and the origin within: across it is the way out.
@@ -337,17 +338,23 @@ ConvexDistance piece_distance(const Solid& moving, const Frame& T, const Solid& 
 
 }  // namespace
 
-ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid& still,
-                               double than) {
+ConvexDistance convex_distance(const Solid& moving, const Frame& T, const Solid& still, double than,
+                               HowDeep how_deep) {
   if (still.is_half_space()) return from_half_space(moving, T, still);
   if (still.is_field()) return convex_field_distance(moving, T, still, than);
-  ConvexDistance nearest = piece_distance(moving, T, still, 0, than);
+  ConvexDistance nearest = piece_distance(moving, T, still, 0, than, how_deep);
   for (int piece = 1; piece < still.pieces(); ++piece) {
     const ConvexDistance found =
-        piece_distance(moving, T, still, piece, std::min(than, nearest.distance));
+        piece_distance(moving, T, still, piece, std::min(than, nearest.distance), how_deep);
     if (found.distance < nearest.distance) nearest = found;
   }
   return nearest;
+}
+
+double separation(const Solid& moving, const Frame& T, const Solid& still, const Vec4& along) {
+  const Vec4 back = -Vec4{dot3(T.x, along), dot3(T.y, along), dot3(T.z, along), 0.0};
+  const Vec4 apart = transform(T, moving.support(back)) - still.support(along);
+  return dot3(apart, along) - moving.rounding() - still.rounding();
 }
 
 }  // namespace pdoik::detail

@@ -5,6 +5,19 @@
 #include <limits>
 
 namespace pdoik::detail {
+namespace {
+
+/// Of a capsule; infinite where nobody knows, or nothing of it needs to be its link's.
+double overhang_of(const Robot& robot, int source) {
+  const Occupancy& all = robot.occupancy();
+  const std::size_t first = all.spheres.size() + all.spheroids.size();
+  const Capsule& capsule = all.capsules[static_cast<std::size_t>(source) - first];
+  return capsule.overhang > 0.0 && capsule.overhang < capsule.radius
+             ? capsule.overhang
+             : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
 
 HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
                            const std::vector<Hull>& hulls, double exact_below)
@@ -12,11 +25,6 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
       blocks_(model.blocks),
       pieces_(model.pieces),
       piece_ids_(model.piece_ids) {
-  for (const Capsule& capsule : robot.occupancy().capsules) {
-    const bool known = capsule.overhang > 0.0;
-    deepest_ = std::max(deepest_,
-                        known ? 2.0 * capsule.overhang : std::numeric_limits<double>::infinity());
-  }
   for (const AttachedPoint& point : model.points) body_of_point_.push_back(point.body);
   std::vector<Eigen::Isometry3d> T_base_body(robot.bodies().size());
   robot.body_poses(robot.mid_configuration(), T_base_body);
@@ -39,7 +47,7 @@ HullCapsules::HullCapsules(const Robot& robot, const HullModel& model,
       const Vec4 along{block.vx[k % 4], block.vy[k % 4], block.vz[k % 4], 0.0};
       const double radius = block.radius[k % 4];
       capsules_.push_back({Vec4{}, Vec4{}, radius, 0.5 * std::sqrt(dot3(along, along)) + radius,
-                           block.source[k % 4]});
+                           block.source[k % 4], overhang_of(robot, block.source[k % 4])});
       ++hull.count;
     }
   }

@@ -103,6 +103,7 @@ SelfCollision::SelfCollision(const Robot& robot, const HullModel& model, double 
     }
   }
   near_.resize(pairs_.size());
+  unsure_.reserve(pairs_.size());
   for (std::vector<Standing>& side : standing_) side.reserve(capsules_.most());
 }
 
@@ -165,30 +166,68 @@ SelfCollision::Nearest SelfCollision::nearest_of_many(const Glance& pair, double
       if (distance < nearest.distance) nearest = {distance, found, a.capsule, b.capsule};
     }
   }
-  if (nearest.one != nullptr) look_at_pieces(pair, than, nearest);
   return nearest;
 }
 
-void SelfCollision::look_at_pieces(const Glance& pair, double than, Nearest& nearest) const {
-  if (capsules_.is_deep(nearest.distance)) return;
-  const std::span<const int> ones = capsules_.pieces_at(pair.a, nearest.distance - pair.margin),
-                             twos = capsules_.pieces_at(pair.b, nearest.distance - pair.margin);
-  if (ones.empty() || twos.empty()) return;
+bool SelfCollision::needs_pieces(const Glance& pair, const Nearest& nearest) const {
+  if (nearest.one == nullptr || nearest.distance < -(nearest.one->overhang + nearest.two->overhang))
+    return false;
+  const double apart = nearest.distance - pair.margin;
+  return !capsules_.pieces_at(pair.a, apart).empty() && !capsules_.pieces_at(pair.b, apart).empty();
+}
+
+int SelfCollision::piece_about(int hull, const Vec4& point, double distance) const {
+  const Vec4 local = to_local(capsules_.frame(hull), point);
+  int about = -1;
+  double least = kInfinity;
+  for (const int k : capsules_.pieces_at(hull, distance)) {
+    const Solid& piece = capsules_.piece(k);
+    const Vec4 apart = local - piece.centre();
+    const double off = dot3(apart, apart) / (piece.radius() * piece.radius());
+    if (off >= least) continue;
+    least = off;
+    about = k;
+  }
+  return about;
+}
+
+void SelfCollision::look_at_pieces(const Glance& pair, double than, Wanted wanted,
+                                   Nearest& nearest) {
+  const HowDeep how_deep = wanted == Wanted::Any ? HowDeep::Unknown : HowDeep::Measured;
+  const double apart = nearest.distance - pair.margin;
   // In the frame of the second one's body, which then stands still.
   const Frame& its = capsules_.frame(pair.b);
   const Frame relative = to_local(its, capsules_.frame(pair.a));
   ConvexDistance exact{than, {}, {}};
-  bool is_any = false;
-  for (const int one : ones) {
-    const Solid& moving = capsules_.piece(one);
-    const Vec4 centre = transform(relative, moving.centre());
-    for (const int two : twos) {
-      const Solid& still = capsules_.piece(two);
-      if (still.bound(centre, moving.radius()) >= exact.distance) continue;
-      const ConvexDistance found = convex_distance(moving, relative, still, exact.distance);
-      if (!(found.distance < exact.distance)) continue;
+  bool is_any = false, is_first = true;
+  const auto look = [&](int one, int two) {
+    const Solid &moving = capsules_.piece(one), &still = capsules_.piece(two);
+    // What separates the nearest, or what was looked at first, separates most of the others.
+    if (!is_first && separation(moving, relative, still, exact.gradient) >= exact.distance) return;
+    ++looks_;
+    const ConvexDistance found = convex_distance(moving, relative, still, exact.distance, how_deep);
+    if (found.distance < exact.distance) {
       exact = found;
       is_any = true;
+    } else if (is_first) {
+      exact.gradient = found.gradient;
+    }
+    is_first = false;
+  };
+  // First where their capsules are nearest.
+  const Vec4 at_one = nearest.one->middle + broadcast(nearest.segments.t1) * nearest.one->half,
+             at_two = nearest.two->middle + broadcast(nearest.segments.t2) * nearest.two->half;
+  const int first_one = piece_about(pair.a, at_one, apart),
+            first_two = piece_about(pair.b, at_two, apart);
+  look(first_one, first_two);
+  const auto is_told = [&] { return is_any && wanted == Wanted::Any; };
+  for (const int one : capsules_.pieces_at(pair.a, apart)) {
+    const Vec4 centre = transform(relative, capsules_.piece(one).centre());
+    const double radius = capsules_.piece(one).radius();
+    for (const int two : capsules_.pieces_at(pair.b, apart)) {
+      if (is_told()) break;
+      if (one == first_one && two == first_two) continue;
+      if (capsules_.piece(two).bound(centre, radius) < exact.distance) look(one, two);
     }
   }
   if (!is_any) {
@@ -201,6 +240,23 @@ void SelfCollision::look_at_pieces(const Glance& pair, double than, Nearest& nea
   nearest.by_pieces = true;
   nearest.point = transform(its, exact.point);
   nearest.away = rotate(its, exact.gradient);
+}
+
+bool SelfCollision::any_touches() {
+  unsure_.clear();
+  const Vec4* const middles = capsules_.middles();
+  for (int k = 0; k < pair_count(); ++k) {
+    const Glance& pair = glance(k);
+    const double than = margin_ + pair.margin;
+    if (!pair.is_within(middles, than)) continue;
+    const Nearest found = nearest_of_capsules(pair, than);
+    if (found.one == nullptr) continue;
+    if (!needs_pieces(pair, found)) return true;
+    unsure_.emplace_back(found.distance - than, k);
+  }
+  std::sort(unsure_.begin(), unsure_.end());
+  return std::any_of(unsure_.begin(), unsure_.end(),
+                     [&](const auto& each) { return is_nearer(each.second, 0.0); });
 }
 
 double SelfCollision::distance(int k) { return nearest(glance(k), kInfinity).distance; }

@@ -27,6 +27,8 @@ constexpr int kStartsThatTell = 48, kRepairsThatTell = 4;
 constexpr double kObstaclesPerEvaluation = 60.0;
 /// ... or at this many pairs of a hull and a shape, most of which are far from each other.
 constexpr double kShapesPerEvaluation = 60.0;
+/// What it costs to look at two pieces of links, in evaluations of the goal.
+constexpr double kEvaluationsPerLook = 4.0;
 
 }  // namespace
 
@@ -165,6 +167,7 @@ bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
   ++attempt.repairs;
   Result& result = *attempt.result;
   const int before = result.evaluations;
+  const std::int64_t looks = problem.looks();
   problem.count_obstacles_within(kRepairMargin);
   if (!attempt.deadline.passed()) {
     trial.value = workspace_.minimise(stay_near ? workspace_.patient : workspace_.brisk, trial.q,
@@ -172,7 +175,8 @@ bool Verdicts::is_clear(Attempt& attempt, Trial& trial, bool stay_near) {
   }
   model_.wrap(attempt.start, trial.q);
   const double each = 1.0 + problem.obstacle_count() / kObstaclesPerEvaluation;
-  attempt.repair_cost += 2.0 * cost_of_all() + each * (result.evaluations - before);
+  attempt.repair_cost += 2.0 * cost_of_all() + each * (result.evaluations - before) +
+                         kEvaluationsPerLook * static_cast<double>(problem.looks() - looks);
   if (attempt.deadline.passed()) return false;
   problem.evaluate(trial.q);  // the last step may have been taken back
   trial.reached = problem.reached();
@@ -207,10 +211,13 @@ void Verdicts::keep_candidate(Attempt& attempt, const Trial& trial) {
   const bool pays =
       by_lagrangian || attempt.measure_cost + cost < kMeasureShare * attempt.search_cost;
   if (!measured && pays && !attempt.deadline.passed()) {
-    attempt.measure_cost += cost;
-    workspace_.least_squares.count_all_obstacles();
-    shortfall = workspace_.least_squares.evaluate(trial.q);
+    LeastSquaresProblem& problem = workspace_.least_squares;
+    const std::int64_t before = problem.looks();
+    problem.count_all_obstacles();
+    shortfall = problem.evaluate(trial.q);
     measured = true;
+    attempt.measure_cost +=
+        cost + kEvaluationsPerLook * static_cast<double>(problem.looks() - before);
   }
   attempt.candidates.add(trial.q, trial.alternative, shortfall, measured);
 }

@@ -70,6 +70,29 @@ TEST(ConvexDistance, apart_it_is_what_projections_in_turn_come_down_to) {
   EXPECT_GT(apart, 300);
 }
 
+TEST(ConvexDistance, along_no_direction_they_stand_farther_apart) {
+  int apart = 0, inside = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Pair pair(seed);
+    if (pair.still.kind == Shape::Kind::HalfSpace) continue;
+    const Solid moving(pair.moving), still(pair.still);
+    const Frame T = to_frame(pair.T);
+    const ConvexDistance found = convex_distance(moving, T, still);
+    (found.distance > 0.0 ? apart : inside) += 1;
+    for (int k = 0; k < 20; ++k) {
+      const Vec4 along = to_vec4(Eigen::Vector3d(pair.random.point(1.0).normalized()));
+      EXPECT_LE(separation(moving, T, still, along), found.distance + 1e-6);
+    }
+    EXPECT_NEAR(separation(moving, T, still, found.gradient), found.distance, 1e-5);
+    // That they are in each other is told without how deep.
+    const ConvexDistance told = convex_distance(moving, T, still, 0.0, HowDeep::Unknown);
+    EXPECT_EQ(told.distance < 0.0, found.distance < 0.0);
+  }
+  EXPECT_GT(apart, 200);
+  EXPECT_GT(inside, 200);
+}
+
 TEST(ConvexDistance, inside_each_other_it_is_the_least_way_out) {
   std::vector<std::uint64_t> seeds(1500);
   std::iota(seeds.begin(), seeds.end(), 1);

@@ -169,6 +169,45 @@ TEST(Pieces, say_whether_a_link_touches_points_shapes_and_itself) {
   }
 }
 
+TEST(Pieces, that_any_links_touch_is_told_as_their_constraints_tell_it) {
+  int touching = 0, freed = 0, deep = 0;
+  for (int seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    BoxedArm arm(seed);
+    Options options;
+    options.self_collision = true;
+    // Of a link's ball no more than this stands out: what is deeper is known without pieces.
+    if (seed % 2 == 0) {
+      Occupancy occupancy = arm.robot.occupancy();
+      for (Capsule& capsule : occupancy.capsules) capsule.overhang = 0.7 * capsule.radius;
+      arm.robot.set_occupancy(occupancy);
+      arm.robot.set_ignored_pairs({});
+    }
+    const auto made = std::make_unique<Workbench>(arm.robot, options);
+    options.exact_contact = false;
+    const auto made_coarse = std::make_unique<Workbench>(arm.robot, options);
+    SelfConstraints &self = made->problem.constraints.self,
+                    &by_capsules = made_coarse->problem.constraints.self;
+    for (int trial = 0; trial < 20; ++trial) {
+      const Eigen::VectorXd q = random_configuration(arm.robot, arm.random, 0.01);
+      for (Workbench* bench : {made.get(), made_coarse.get()}) {
+        bench->roll_out(q);
+        bench->problem.constraints.self.find(bench->problem.rollout, [](int) { return 0.0; });
+      }
+      const bool touches = self.count() > 0, is_near = by_capsules.count() > 0;
+      const std::int64_t looks = self.looks();
+      EXPECT_EQ(self.any_touches(), touches);
+      EXPECT_EQ(by_capsules.any_touches(), is_near);
+      touching += touches ? 1 : 0;
+      freed += is_near && !touches ? 1 : 0;
+      deep += touches && self.looks() == looks ? 1 : 0;
+    }
+  }
+  EXPECT_GT(touching, 100);
+  EXPECT_GT(freed, 30);
+  EXPECT_GT(deep, 20);
+}
+
 TEST(Pieces, say_how_near_what_is_held_is_to_a_link) {
   Counts held;
   for (int seed = 1; seed <= 40; ++seed) {

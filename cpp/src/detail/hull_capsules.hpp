@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct PlacedCapsule {
   double radius = 0.0;
   double reach = 0.0;  ///< nothing of it is farther than this from its middle [m]
   int source = -1;     ///< the hull's or capsule's place in the occupancy
+  /// By how much it stands out of its link at most; infinite where nobody knows [m].
+  double overhang = std::numeric_limits<double>::infinity();
 };
 
 /// The robot's hulls as capsules: those that a hull has, or else the one that holds it.
@@ -78,9 +81,6 @@ class HullCapsules {
     if (!(distance < exact_below_)) return {};
     return {piece_ids_.data() + hull(k).first_piece, static_cast<std::size_t>(hull(k).pieces)};
   }
-  /// Whether two capsules that are this far apart overlap by more than any two stand out of their
-  /// links, so that the links themselves are in each other.
-  bool is_deep(double distance) const { return distance < -deepest_; }
   const Solid& piece(int piece) const { return pieces_->solid(piece); }
   /// Of hull k's body, which its pieces move with.
   const Frame& frame(int k) const { return frames_[hull(k).body]; }
@@ -110,7 +110,6 @@ class HullCapsules {
   const Frame* frames_ = nullptr;
   std::vector<int> body_of_point_;
   double exact_below_;
-  double deepest_ = 0.0;  ///< infinite if nobody knows how far capsules stand out [m]
   std::vector<CapsuleBlock> blocks_;
   std::shared_ptr<const LinkPieces> pieces_;
   std::vector<int> piece_ids_;

@@ -46,6 +46,8 @@ class LeastSquaresProblem {
     if (!nearby_.gather(hulls(), problem_.scene->obstacles(), margin)) return;
     counted_ = Counted::Near;
   }
+  /// How many pairs of links' pieces have been looked at.
+  std::int64_t looks() const { return problem_.constraints.self.looks(); }
   int obstacle_count() const { return obstacles()->count(); }
 
   PosturePull posture;        ///< of the evaluations that follow
@@ -55,9 +57,7 @@ class LeastSquaresProblem {
   /// last evaluated or the robot was last placed; or the clock has struck before that is known.
   bool touches() {
     hulls().place(problem_.rollout);
-    SelfConstraints& self = problem_.constraints.self;
-    self.find(problem_.rollout, [](int) { return 0.0; });
-    if (self.count() > 0) return true;
+    if (problem_.constraints.self.any_touches()) return true;
     if (problem_.constraints.shapes.any_touches(problem_.scene->shapes(), options_.clearance,
                                                 hulls()))
       return true;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "detail/hull_capsules.hpp"
@@ -67,6 +69,8 @@ class SelfCollision {
     }
   }
   int near_count() const { return near_count_; }
+  /// Whether any pair's constraint is violated. What tells soonest is looked at first.
+  bool any_touches();
   const Near& near(int k) const { return near_[static_cast<std::size_t>(k)]; }
 
   /// Distance between a pair's capsules where they are placed, without margin [m]; negative by how
@@ -77,8 +81,11 @@ class SelfCollision {
   bool is_nearer(int k, double than) {
     than += margin_ + glance(k).margin;
     return glance(k).is_within(capsules_.middles(), than) &&
-           nearest(glance(k), than).one != nullptr;
+           nearest(glance(k), than, Wanted::Any).one != nullptr;
   }
+
+  /// How many pairs of pieces have been looked at.
+  std::int64_t looks() const { return looks_; }
 
   struct Least {
     /// As if all pairs had the same margin: of one with more that much less.
@@ -90,6 +97,8 @@ class SelfCollision {
   Least least();
 
  private:
+  /// Of the pieces of two links: the nearest, or any two that are near enough.
+  enum class Wanted { Nearest, Any };
   /// The nearest of two hulls' capsules.
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();  // less their radii
@@ -113,8 +122,13 @@ class SelfCollision {
     }
   };
   const Glance& glance(int k) const { return glances_[static_cast<std::size_t>(k)]; }
-  /// The nearest of a pair's capsules, if nearer than `than`.
-  Nearest nearest(const Glance& pair, double than) {
+  /// The nearest of a pair's capsules, or of its links' pieces, if nearer than `than`.
+  Nearest nearest(const Glance& pair, double than, Wanted wanted = Wanted::Nearest) {
+    Nearest found = nearest_of_capsules(pair, than);
+    if (needs_pieces(pair, found)) look_at_pieces(pair, than, wanted, found);
+    return found;
+  }
+  Nearest nearest_of_capsules(const Glance& pair, double than) {
     if (has_capsules_) return nearest_of_many(pair, than);
     const PlacedCapsule &a = capsules_.around(pair.a), &b = capsules_.around(pair.b);
     const SegmentDistance found = segment_distance(a.middle, a.half, b.middle, b.half);
@@ -123,15 +137,23 @@ class SelfCollision {
     return {distance, found, &a, &b};
   }
   Nearest nearest_of_many(const Glance& pair, double than);
-  void look_at_pieces(const Glance& pair, double than, Nearest& nearest) const;
+  /// Whether capsules do not decide: they do where they overlap by more than they stand out of
+  /// their links.
+  bool needs_pieces(const Glance& pair, const Nearest& nearest) const;
+  /// Of a hull's pieces the one that a point of its link is likeliest to be in or at.
+  int piece_about(int hull, const Vec4& point, double distance) const;
+  void look_at_pieces(const Glance& pair, double than, Wanted wanted, Nearest& nearest);
   void add_if_near(int pair, double within);
 
   HullCapsules capsules_;
   std::vector<Pair> pairs_;
   std::vector<Glance> glances_;
   std::vector<Near> near_;
+  /// Pairs whose capsules touch by so much, and need not touch themselves.
+  std::vector<std::pair<double, int>> unsure_;
   std::vector<Standing> standing_[2];  ///< of two hulls' capsules, those that may be the nearest
   int near_count_ = 0;
+  std::int64_t looks_ = 0;
   double margin_;
   bool has_capsules_ = false;  ///< any hull
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "detail/collision_state.hpp"
@@ -31,6 +32,14 @@ class SelfConstraints : public ByPulls {
     self_->place(hulls_.positions(), hulls_.frames());
     self_->find_near(reach);
   }
+  /// Whether any is violated where the hulls are placed.
+  bool any_touches() {
+    if (!self_) return false;
+    self_->place(hulls_.positions(), hulls_.frames());
+    return self_->any_touches();
+  }
+  /// How many pairs of links' pieces have been looked at.
+  std::int64_t looks() const { return self_ ? self_->looks() : 0; }
   int count() const { return self_ ? self_->near_count() : 0; }
   ConstraintKey key(int k) const { return constraint_key(at(k).pair, 0); }
   const SelfCollision::Near& at(int k) const { return self_->near(k); }
