@@ -15,11 +15,13 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.errors import LoadError
 from pdoik.sim2real import Controller, SimulationError, Simulator, Study, Thresholds
-from pdoik.sim2real.simulators.candidates import Knob, model_with
+from pdoik.sim2real.simulators.candidates import Knob, baseline, model_with, terms_of
+from pdoik.sim2real.simulators.climb import Climb
 from pdoik.sim2real.simulators.experiment import Experiment, simulated
 from pdoik.sim2real.simulators.explain import explain
+from pdoik.sim2real.simulators.parameters import parameters_of
 from pdoik.sim2real.simulators.patch import patched
-from pdoik.sim2real.simulators.sensitivities import scales_of, sensitivities
+from pdoik.sim2real.simulators.scales import scales_of
 from pdoik.sim2real.simulators.user_model import UserModel, description_of, user_model
 from sim2real_recordings import even_recording
 from sim2real_robots import arm_urdf
@@ -44,14 +46,34 @@ def test_runs_are_those_of_mujoco_itself() -> None:
     np.testing.assert_allclose(ours.tau[300:], torque[300:], atol=1e-3)
 
 
-def test_sensitivities_are_differences_of_models() -> None:
+def test_lines_are_differences_of_models() -> None:
+    """Half a step and a fifth of another way, against lines that were laid by one step forward."""
     experiment = Experiment(user(), [log(4.0, 3)])
-    knobs = (Knob("damping", 1), Knob("kp", 0))
-    about = sensitivities(experiment, {}, knobs, scales_of(experiment, {}))
-    for p in range(len(knobs)):
-        half = experiment.run(about.values(0.5 * np.eye(len(knobs))[p])) - experiment.run({})
-        error = np.abs(half - 0.5 * about.J[p]).max()
-        assert error < 0.05 * np.abs(half).max()
+    knobs = [knob for term in terms_of(user()) for knob in term.knobs]
+    climb = Climb(experiment, parameters_of(user(), knobs, scales_of(experiment, {})))
+    shown = climb.run(climb.start)
+    J = climb.lines(climb.start, shown, np.ones(len(climb.start), dtype=bool))
+    for i, parameter in enumerate(climb.parameters):
+        if not J[i].any():
+            assert parameter.knob.property == "force_limit"
+            continue
+        step = np.zeros(len(climb.start))
+        step[i] = 2e-3
+        change = climb.run(climb.start + step) - shown
+        error = np.abs(change - 2e-3 * J[i]).max()
+        assert error < 0.1 * np.abs(change).max() + 1e-9, parameter.knob
+
+
+def test_coordinates_give_the_users_values_and_back() -> None:
+    knobs = [knob for term in terms_of(user()) for knob in term.knobs]
+    for each in parameters_of(user(), knobs, scales_of(Experiment(user(), [log(4.0, 3)]), {})):
+        value = baseline(user(), each.knob)
+        if value < 1e8:  # a limit that is there
+            assert each.value(each.start) == pytest.approx(value, rel=1e-12, abs=1e-12)
+        x = each.start + 0.3
+        assert each.x_of(each.value(x)) == pytest.approx(x, rel=1e-9)
+        slope = (each.value(x + 1e-6) - each.value(x - 1e-6)) / 2e-6
+        assert each.slope(x) == pytest.approx(slope, rel=1e-6)
 
 
 def test_trees_that_do_not_touch_are_turned_together() -> None:

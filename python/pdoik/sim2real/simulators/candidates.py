@@ -10,11 +10,25 @@ from typing import Any
 import mujoco
 
 from .body_words import carry_load
+from .drive_words import has_filter
 from .property import EVERY
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
 _ORDER = {name: place for place, name in enumerate(PROPERTIES)}
+_ALONE = (
+    "damping",
+    "frictionloss",
+    "armature",
+    "kp",
+    "kv",
+    "stiffness",
+    "ref",
+    "delay",
+    "filter",
+    "force_limit",
+)
+"""What each joint may have more or less of by itself."""
 _CENTRE = ("com_x", "com_y", "com_z")
 
 
@@ -53,8 +67,7 @@ Values = Mapping[Knob, float]
 def terms_of(user: UserModel) -> tuple[Term, ...]:
     """All that a user's model can be changed by."""
     n = len(user.joints)
-    simple = ("damping", "frictionloss", "armature", "kp", "kv", "stiffness", "ref", "delay")
-    found = [Term(name, (Knob(name, k),)) for name in simple for k in range(n)]
+    found = [Term(name, (Knob(name, k),)) for name in _ALONE for k in range(n)]
     found += [Term("spring", (Knob("stiffness", k), Knob("spring_torque", k))) for k in range(n)]
     found += [Term("gains", (Knob("gain_factor", k),)) for k in range(n)]
     if n > 1:
@@ -88,7 +101,7 @@ def model_with(user: UserModel, values: Values) -> Any:
         PROPERTIES[knob.property].write(user, model, knob.index, values[knob])
     for k in {knob.index for knob in values if knob.property in _CENTRE}:
         carry_load(user, model, k)
-    if any(knob.property != "delay" for knob in values):
+    if any(knob.property not in ("delay", "filter") for knob in values):
         mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 
@@ -97,6 +110,14 @@ def delays_with(user: UserModel, values: Values) -> list[float]:
     """By how much each joint's command acts later, (n,) [s]."""
     shared = values.get(Knob("delay", EVERY), 0.0)
     return [shared + values.get(Knob("delay", k), 0.0) for k in range(len(user.joints))]
+
+
+def filters_with(user: UserModel, values: Values) -> list[float]:
+    """Time constant of what smooths each joint's command before the model has it, (n,) [s]."""
+    return [
+        0.0 if has_filter(user, actuator) else values.get(Knob("filter", k), 0.0)
+        for k, actuator in enumerate(user.actuators)
+    ]
 
 
 def _carries_joints(user: UserModel, k: int) -> bool:

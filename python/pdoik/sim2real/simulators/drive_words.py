@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import mujoco
+
 from .property import EVERY, Gain, Property, Scales, held
 from .user_model import UserModel
+
+UNLIMITED = 1e9  # what no drive gives [N m]
 
 
 class Kp(Gain):
@@ -106,6 +110,70 @@ class Delay(Property):
 
     def feigned(self, user: UserModel, index: int) -> float:
         return held(user)
+
+
+class Filter(Property):
+    """Time constant of what smooths commands, of first order, before the drive follows them."""
+
+    name, unit = "filter", "s"
+    mujoco = "timeconst"
+    isaac = "none: smooth the commands in the controller"
+    gazebo = "none: smooth the commands in the controller"
+
+    def read(self, user: UserModel, index: int) -> float:
+        actuator = user.actuators[index]
+        if not has_filter(user, actuator):
+            return 0.0
+        return float(user.model.actuator_dynprm[actuator, 0])
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        """A filter of the model's own; elsewhere `Experiment` smooths the commands."""
+        actuator = user.actuators[index]
+        if has_filter(user, actuator):
+            model.actuator_dynprm[actuator, 0] = max(value, 1e-6)
+
+    def step(self, scales: Scales, value: float) -> float:
+        return 2e-3
+
+    def feigned(self, user: UserModel, index: int) -> float:
+        return held(user)
+
+
+class ForceLimit(Property):
+    """The largest torque of a drive; positions show it where it is reached."""
+
+    name, unit = "force_limit", "N m"
+    mujoco = "forcerange"
+    isaac = "effort limit of the joint's drive"
+    gazebo = "<axis><limit><effort>"
+
+    def read(self, user: UserModel, index: int) -> float:
+        actuator, gear = user.actuators[index], abs(_gear(user, index))
+        if not user.model.actuator_forcelimited[actuator]:
+            return UNLIMITED
+        return float(user.model.actuator_forcerange[actuator, 1]) * gear
+
+    def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
+        if value >= UNLIMITED:
+            return
+        actuator, most = user.actuators[index], value / abs(_gear(user, index))
+        model.actuator_forcelimited[actuator] = 1
+        model.actuator_forcerange[actuator] = -most, most
+
+    def step(self, scales: Scales, value: float) -> float:
+        return -0.03 * value
+
+    def coordinate(self, value: float) -> float:
+        return 1.0 / value
+
+    def value_at(self, coordinate: float) -> float:
+        return 1.0 / max(coordinate, 1.0 / UNLIMITED)
+
+
+def has_filter(user: UserModel, actuator: int) -> bool:
+    """Whether the model's own actuator smooths its commands."""
+    kinds = (int(mujoco.mjtDyn.mjDYN_FILTER), int(mujoco.mjtDyn.mjDYN_FILTEREXACT))
+    return int(user.model.actuator_dyntype[actuator]) in kinds
 
 
 def _gear(user: UserModel, index: int) -> float:

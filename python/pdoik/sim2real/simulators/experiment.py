@@ -7,18 +7,21 @@ states as the nodes. Each run has a beginning that is not judged, in which a wro
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import mujoco
 import numpy as np
 from mujoco import rollout
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from ..simulation.segments import measured_state
 from ..study.quiet_mujoco import quiet_mujoco
 from ..study.recording import FloatArray, Recording
-from .candidates import Values, delays_with, model_with
+from .candidates import Values, delays_with, filters_with, model_with
 from .commands import check_commands, fed_forward, mean_over
 from .sampled import Sampled
 from .stability import check_states
@@ -29,9 +32,13 @@ WARM = 0.3  # beginning of each run that is not judged [s]
 LENGTH = 1.5  # of what is judged of each run [s]
 BLOCK = 0.75  # of rows that are drawn together, [s]
 MOST_ROWS = 12000  # judged samples of all recordings
-MOST_SECONDS = 60.0  # judged of all recordings
+MOST_SECONDS = 30.0  # judged of all recordings
 _CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+_MOST_THREADS = 4  # in which runs of one candidate go on
+_MEMORY = 8.0  # time constants of what smooths commands, until it has forgotten
 _FINER = 4  # steps in one, to see what a step does
+_MOST_GIVEN = 5_000  # commands of one drive in one run that are kept
+_PHASES = 10  # samples among which a run may begin
 _STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
 
@@ -61,6 +68,8 @@ class Experiment:
         warm: float = WARM,
         torque: bool = True,
         thin: bool = True,
+        most_rows: int = MOST_ROWS,
+        most_seconds: float = MOST_SECONDS,
     ) -> None:
         """Cut the recordings.
 
@@ -71,6 +80,8 @@ class Experiment:
             warm: beginning of each run that is not judged [s].
             torque: whether to show torques, too, where all recordings have them.
             thin: whether long recordings are judged at a part of their samples.
+            most_rows: judged samples of all recordings, then.
+            most_seconds: judged of all recordings, then.
 
         Raises:
             ValueError: commands are missing.
@@ -83,9 +94,13 @@ class Experiment:
             each.tau is not None and bool(np.isfinite(each.tau).all()) for each in recordings
         )
         self._data = mujoco.MjData(user.model)
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+        self._threads = [mujoco.MjData(user.model) for _ in range(min(cores or 1, _MOST_THREADS))]
         self._of_step: FloatArray | None = None
+        self._given: dict[tuple[object, ...], FloatArray] = {}
         self._forward = [fed_forward(user, each) for each in recordings]
         self._steps = round((warm + length) / user.timestep)
+        self._most = most_rows, most_seconds
         self._runs = self._cut(length, warm, thin)
         if not self._runs:
             raise ValueError("recordings: too short to simulate any of them")
@@ -107,6 +122,17 @@ class Experiment:
         n = len(self.user.joints)
         kinds = ("q", "tau") if self.torque else ("q",)
         return tuple((kind, k) for kind in kinds for k in range(n))
+
+    @property
+    def parts(self) -> tuple[slice, ...]:
+        """Rows of each run."""
+        ends = np.cumsum([0, *(len(run.rows) for run in self._runs)])
+        return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
+
+    def largest_torque(self, values: Values, k: int) -> float:
+        """That a joint's drive gives in any run of a candidate [N m]."""
+        _, sensed = self._rolled(values)
+        return float(np.abs(sensed[..., self.user.torque_sensors[k]]).max())
 
     def allow_for_step(self, values: Values) -> None:
         """From now on `run` adds what truer steps change in this candidate.
@@ -130,7 +156,7 @@ class Experiment:
 
     def _sampled(self, values: Values) -> FloatArray:
         """What a candidate shows whose torques are held from tick to tick, (R, C)."""
-        delays, rows = delays_with(self.user, values), []
+        rows = []
         sampled = Sampled.of(self.user, model_with(self.user, values))
         self._steps = round(self._steps * self.user.timestep / sampled.user.timestep)
         self.user = sampled.user
@@ -138,7 +164,7 @@ class Experiment:
             steps = np.arange(self._steps, dtype=np.float64)
             times = np.asarray(run.start + self.user.timestep * steps, dtype=np.float64)
             recording = self.recordings[run.recording]
-            commands = self._at(recording, times, delays)
+            commands = self._commands(recording, times, values, looked_at=True)
             forward = self._forward[run.recording]
             if forward is not None:
                 columns = [np.interp(times, recording.time, each) for each in forward.T]
@@ -170,9 +196,11 @@ class Experiment:
     def _cut(self, length: float, warm: float, thin: bool) -> list[_Run]:
         runs: list[_Run] = []
         seconds = sum(float(each.time[-1]) for each in self.recordings)
-        share = min(1.0, MOST_SECONDS / seconds) if thin else 1.0
+        most_rows, most_seconds = self._most
+        share = min(1.0, most_seconds / seconds) if thin else 1.0
         rows = sum(len(each.time) for each in self.recordings) * share
-        every = max(1, int(np.ceil(rows / MOST_ROWS))) if thin else 1
+        every = max(1, int(np.ceil(rows / most_rows))) if thin else 1
+        self.spacing = every * max(each.period for each in self.recordings)  # of judged rows [s]
         for k, recording in enumerate(self.recordings):
             q, dq = measured_state(recording, self.user.joints, None, None)
             end = float(recording.time[-1]) + recording.period
@@ -181,7 +209,7 @@ class Experiment:
             for piece in np.unique(np.linspace(0, count - 1, wanted).round().astype(int)):
                 first = warm + piece * (end - warm) / count
                 last = warm + (piece + 1) * (end - warm) / count
-                at = max(0, round((first - warm) / recording.period))
+                at = self._in_step(recording, max(0, round((first - warm) / recording.period)))
                 start = float(recording.time[at])
                 reach = start + self._steps * self.user.timestep
                 inside = (recording.time >= first) & (recording.time < min(last, reach))
@@ -190,6 +218,14 @@ class Experiment:
                     state = self._state(recording, q[at], dq[at], start)
                     runs.append(_Run(recording=k, start=start, state=state, rows=judged))
         return runs
+
+    def _in_step(self, recording: Recording, at: int) -> int:
+        """The sample at or soon after one that is nearest to a step of a run of the whole.
+
+        Commands then jump where they do in steps of that, and torques at samples are the same.
+        """
+        place = recording.time[at : at + _PHASES] / self.user.timestep
+        return at + int(np.argmin(np.round(np.abs(place - np.round(place)), 6)))
 
     def _state(
         self, recording: Recording, q: FloatArray, dq: FloatArray, start: float
@@ -204,7 +240,7 @@ class Experiment:
         data.qvel[:] = 0.0
         data.qpos[list(user.qpos)], data.qvel[list(user.dof)] = q, dq
         follow(model, data)
-        command = self._commands(recording, np.array([start]), [0.0] * len(user.joints))[0]
+        command = self._commands(recording, np.array([start]), {})[0]
         data.ctrl[list(user.controls)] = command
         settle_actuators(user, data, command)
         state = np.empty(mujoco.mj_stateSize(model, _STATE))
@@ -213,37 +249,71 @@ class Experiment:
         return state
 
     def _commands(
-        self, recording: Recording, times: FloatArray, delays: Sequence[float]
+        self,
+        recording: Recording,
+        times: FloatArray,
+        values: Values,
+        *,
+        looked_at: bool = False,
     ) -> FloatArray:
-        """What each drive is given over the steps that begin at these times, (K, n).
+        """What each drive is given over the steps that begin at these even times, (K, n).
 
         A command is held until the next one, as control loops do; a step gets the mean over its
         length, which is smooth in the delay. Of a controller that is known to run much faster than
-        the log, commands lie on lines between samples.
+        the log, commands lie on lines between samples. What smooths commands has seen those before
+        the first of the times.
+
+        Args:
+            recording: whose commands.
+            times: [s].
+            values: of the candidate.
+            looked_at: whether the controller looks at commands at these times, and at no others.
         """
-        dt = self.user.timestep
-        if self._is_faster(recording):
-            return self._at(recording, np.asarray(times + 0.5 * dt), delays)
-        q_des = recording.q_des
-        assert q_des is not None
-        columns = [
-            mean_over(recording.time, column, np.asarray(times - late), dt)
-            for column, late in zip(q_des.T, delays, strict=True)
-        ]
+        delays, smooth = delays_with(self.user, values), filters_with(self.user, values)
+        dt = float(times[1] - times[0]) if len(times) > 1 else self.user.timestep
+        columns = []
+        for k, drive in enumerate(zip(delays, smooth, strict=True)):
+            key = (recording.name, k, *drive, float(times[0]), len(times), dt, looked_at)
+            if key not in self._given:
+                if len(self._given) >= _MOST_GIVEN:
+                    self._given.clear()
+                self._given[key] = self._drive_command(recording, k, drive, times, dt, looked_at)
+            columns.append(self._given[key])
         return np.stack(columns, axis=1)
 
-    def _at(self, recording: Recording, times: FloatArray, delays: Sequence[float]) -> FloatArray:
-        """What a controller is asked for that looks at these times, (K, n)."""
+    def _drive_command(
+        self,
+        recording: Recording,
+        k: int,
+        drive: tuple[float, float],
+        times: FloatArray,
+        dt: float,
+        looked_at: bool,
+    ) -> FloatArray:
+        """What one drive is given, late and smoothed by so much, (K,)."""
+        late, slow = drive
+        if slow <= 0.0:
+            return self._command(recording, k, times - late, dt, looked_at)
+        before = int(np.ceil(_MEMORY * slow / dt))
+        all_times = np.concatenate([times[0] - dt * np.arange(before, 0, -1), times])
+        column = self._command(recording, k, all_times - late, dt, looked_at)
+        share = slow / (slow + dt)  # late by `slow` in the mean, however short
+        filtered, _ = lfilter([1.0 - share], [1.0, -share], column, zi=share * column[:1])
+        return np.asarray(filtered[before:])
+
+    def _command(
+        self, recording: Recording, k: int, times: FloatArray, dt: float, looked_at: bool
+    ) -> FloatArray:
+        """One joint's, as it was sent, (K,)."""
         q_des = recording.q_des
         assert q_des is not None
-        columns = []
-        for column, late in zip(q_des.T, delays, strict=True):
-            if self._is_faster(recording):
-                columns.append(np.interp(times - late, recording.time, column))
-                continue
-            since = np.floor((times - late - recording.time[0]) / recording.period + 1e-6)
-            columns.append(column[np.clip(since, 0, len(column) - 1).astype(int)])
-        return np.stack(columns, axis=1)
+        if self._is_faster(recording):
+            at = times if looked_at else times + 0.5 * dt
+            return np.asarray(np.interp(at, recording.time, q_des[:, k]))
+        if not looked_at:
+            return mean_over(recording.time, q_des[:, k], times, dt)
+        since = np.floor((times - recording.time[0]) / recording.period + 1e-6)
+        return np.asarray(q_des[np.clip(since, 0, len(q_des) - 1).astype(int), k])
 
     def _is_faster(self, recording: Recording) -> bool:
         """Whether the controller is known to run much faster than the log."""
@@ -253,26 +323,25 @@ class Experiment:
     def _rolled(self, values: Values) -> tuple[FloatArray, FloatArray]:
         """States and sensor values after each step of each run, (runs, K, .)."""
         model = model_with(self.user, values)
-        delays = delays_with(self.user, values)
         start = np.stack([run.state for run in self._runs])
-        control = np.stack([self._control(run, delays) for run in self._runs])
+        control = np.stack([self._control(run, values) for run in self._runs])
         with quiet_mujoco():
             states, sensors = rollout.rollout(
-                model, self._data, start, control, control_spec=_CONTROL
+                model, self._threads, start, control, control_spec=_CONTROL
             )
         for run, state in zip(self._runs, states, strict=True):
             name = self.recordings[run.recording].name
             check_states(self.user, state, name, run.start)
         return states, sensors
 
-    def _control(self, run: _Run, delays: Sequence[float]) -> FloatArray:
+    def _control(self, run: _Run, values: Values) -> FloatArray:
         times = np.asarray(
             run.start + self.user.timestep * np.arange(self._steps), dtype=np.float64
         )
         model = self.user.model
         control = np.zeros((self._steps, model.nu + model.nv))
         control[:, : model.nu] = self._rest
-        commands = self._commands(self.recordings[run.recording], times, delays)
+        commands = self._commands(self.recordings[run.recording], times, values)
         control[:, list(self.user.controls)] = commands
         torque = self._forward[run.recording]
         if torque is not None:

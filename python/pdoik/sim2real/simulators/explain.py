@@ -1,4 +1,4 @@
-"""What a log has beyond a simulator: properties fitted by simulating candidates, and judged."""
+"""What a log has beyond a simulator: all that a drive has fitted together, what differs judged."""
 
 from __future__ import annotations
 
@@ -12,18 +12,27 @@ from scipy.stats import t as student
 from ..simulation.stepper import SimulationError
 from ..study.recording import FloatArray, Recording
 from ..thresholds.simulators import SimulatorThresholds
-from .blocks import t_of
 from .candidates import Knob, Term, Values, baseline, terms_of
+from .choice import Choice, Rival, is_ordinary
+from .climb import Climb, Mask
 from .experiment import Experiment
-from .fits import cost, fitted, lines, noise_of
 from .follows import check_follows
-from .rounds import is_unreal, searched
-from .selection import Rival, Selection
-from .sensitivities import Sensitivities, knobs_of
+from .noise import noise_of
+from .parameters import parameters_of
+from .scales import scales_of
+from .told_once import told_once
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
 Tell = Callable[[str], None]
+
+_SHORT, _BRIEF, _FEW = 0.6, 30.0, 3000  # of runs, of all of them [s], their rows: to begin with
+_LATE = ("filter", "delay")  # about none of which lines are of little use
+_NOTHING = 1e-3  # of what is believed of a coordinate, that is no change
+_ROUNDS = 4  # of choosing, and of fitting what was chosen
+_BEGIN, _ALL, _CHOSEN, _LAST = (10, 5.0), (16, 1.0), (8, 0.5), (4, 0.5)
+"""Steps of a climb at most, and what one of them must gain in log posterior: in short runs, of all
+ordinary parameters, of what was chosen, and of what is held to."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,7 +41,7 @@ class Explained:
 
     user: UserModel
     terms: tuple[Term, ...]  # all that differ, or may
-    kept: tuple[Term, ...]  # those that hold on held-out data, be it under another name
+    kept: tuple[Term, ...]  # those that the patch has
     values: dict[Knob, float]  # of all terms, fitted together
     patch: dict[Knob, float]  # of those kept, fitted without the others
     alone: dict[Knob, float]  # of those whose names are believed, fitted without the others
@@ -49,12 +58,20 @@ class Explained:
     before: FloatArray  # (R, C) held-out, of the user's model
     after: FloatArray  # (R, C) held-out, with the patch
 
+    def left(self, shown: FloatArray) -> float:
+        """Of held-out data, over what is expected, squared."""
+        return float((((self.held_out.measured - shown) / self.sigma) ** 2).sum())
+
     def there(self, term: Term) -> float:
         """Probability that held-out data are better explained with a term than without."""
         gains = self.gains[term]
         if not np.isfinite(gains).all():
             return 1.0  # the model is unstable without it
-        return float(student.cdf(t_of(gains), max(len(gains) - 1, 1)))
+        return float(student.cdf(_t_of(gains), max(len(gains) - 1, 1)))
+
+    def is_likely(self, term: Term, limits: SimulatorThresholds) -> bool:
+        """Whether it is seen, and held-out data do not speak against it."""
+        return self.there(term) >= limits.least_suspected and self.shows[term] >= 1.0
 
     def holds(self, term: Term, limits: SimulatorThresholds) -> bool:
         """Whether it is believed to be there, and matters; by whatever name."""
@@ -90,6 +107,10 @@ def explain(
 ) -> Explained:
     """Find what must be changed in a model so that it does what the recordings show.
 
+    What every drive has is fitted together, from short runs in which nothing drifts far. About the
+    likeliest candidate, evidence says which properties differ from the user's at all, and what
+    peculiar ones there are beside them; these are fitted again, and judged by held-out data.
+
     Args:
         user: the model.
         fit: recordings to choose and fit by.
@@ -108,28 +129,145 @@ def explain(
     if not same_step:
         experiment.allow_for_step({})
     check_follows(experiment, limits)
-    found = searched(experiment, noise, limits, say, same_step=same_step)
-    chosen, values, scales = found.chosen, found.values, found.scales
-    knobs = knobs_of(terms_of(user))
+    terms = terms_of(user)
+    climb, x = _together(experiment, fit, terms, say)
+    chosen = tuple(
+        term
+        for term in terms
+        if is_ordinary(user, term)
+        or (len(term.knobs) == 1 and _moved(climb, x)[climb.place[term.knobs[0]]])
+    )
+    choice, chosen, x = _chosen(climb, x, chosen, terms, limits, say, same_step=same_step)
     if not same_step:
-        experiment.allow_for_step(values)
-        held_out.allow_for_step(values)
-    about, sigma, blocks = lines(experiment, values, knobs, scales, noise)
-    selection = Selection(blocks, knobs, found.terms, limits)
-    seen = tuple(term for term in chosen if term in selection.terms)
-    if seen != chosen:  # beside the others it shows nothing any more, so it is in no patch
-        chosen, values = seen, fitted(experiment, about, blocks, seen, sigma, scales)
-    judged = _judged(selection, about, chosen, values, sigma, noise, experiment, held_out)
-    kept = tuple(t for t in chosen if judged.holds(t, limits) and not is_unreal(t, values))
-    if len(kept) < len(chosen):
-        say(f"{len(chosen) - len(kept)} of them do not hold on held-out data")
-        values = fitted(experiment, about, blocks, kept, sigma, scales)
-        after = held_out.run(values, as_it_is=True)
-        judged = replace(judged, kept=kept, patch=values, alone=values, after=after)
-    sure = tuple(term for term in kept if judged.claims(term, limits))
-    if len(sure) == len(kept):
+        held_out.allow_for_step(climb.values(x))
+    judged = _judged(choice, x, chosen, noise, held_out)
+    judged, x = _patch_of(judged, choice, x, limits)
+    sure = tuple(term for term in judged.kept if judged.claims(term, limits))
+    if len(sure) == len(judged.kept):
         return judged
-    return replace(judged, alone=fitted(experiment, about, blocks, sure, sigma, scales))
+    return replace(judged, alone=climb.values(_fitted(choice, x, sure, _LAST)))
+
+
+def _patch_of(
+    judged: Explained, choice: Choice, x: FloatArray, limits: SimulatorThresholds
+) -> tuple[Explained, FloatArray]:
+    """The patch that leaves least of held-out data, of four; of equals the smallest.
+
+    It has nothing, what held-out data are sure of, what they do not speak against, or all that
+    matters: what depends on others may look needless beside them.
+    """
+    matters = tuple(term for term in judged.terms if judged.shows[term] >= 1.0)
+    likely = tuple(term for term in judged.terms if judged.is_likely(term, limits))
+    holds = tuple(term for term in judged.terms if judged.holds(term, limits))
+    tried = []
+    for kept in dict.fromkeys(((), holds, likely, matters)):
+        at = x if kept == judged.terms else _fitted(choice, x, kept, _CHOSEN)
+        values = choice.climb.values(at)
+        try:
+            after = judged.held_out.run(values, as_it_is=True)
+        except SimulationError:
+            continue
+        patched = replace(judged, kept=kept, patch=values, alone=values, after=after)
+        tried.append((patched, at))
+    return min(tried, key=lambda pair: pair[0].left(pair[0].after))
+
+
+def _chosen(
+    climb: Climb,
+    x: FloatArray,
+    chosen: tuple[Term, ...],
+    terms: Sequence[Term],
+    limits: SimulatorThresholds,
+    say: Tell,
+    *,
+    same_step: bool,
+) -> tuple[Choice, tuple[Term, ...], FloatArray]:
+    """What differs, with the likeliest coordinates and lines about them.
+
+    Lines lead astray where much moves: what they choose is fitted by simulating, and where the
+    evidence of that is worse, half of what was left out is taken back, what moves most.
+    """
+
+    def about(x: FloatArray) -> Choice:
+        if not same_step:
+            climb.experiment.allow_for_step(climb.values(x))
+        return Choice(climb, x, terms, limits)
+
+    choice = about(x)
+    back: tuple[Term, ...] = ()
+    for k in range(1, _ROUNDS + 1):
+        wanted = tuple(dict.fromkeys((*choice.chosen(chosen), *back)))
+        say(f"round {k}: {len(wanted)} properties differ")
+        if set(wanted) == set(chosen):
+            break
+        there = _fitted(choice, x, wanted, _CHOSEN)
+        moved = _moved(climb, there)
+        there = np.where(moved, there, climb.start)
+        wanted = tuple(term for term in wanted if moved[choice.places([term])].any())
+        beside = about(there)
+        if beside.evidence(wanted) >= choice.evidence(chosen):
+            choice, chosen, x, back = beside, wanted, there, ()
+            continue
+        left_out = [term for term in chosen if term not in wanted]
+        left_out.sort(key=lambda term: -choice.moves(term))
+        back = tuple(left_out[: (len(left_out) + 1) // 2])
+    return choice, chosen, x
+
+
+def _moved(climb: Climb, x: FloatArray) -> Mask:
+    """Which parameters are not the user's, (P,)."""
+    return np.asarray(np.abs(x - climb.start) > _NOTHING * climb.std)
+
+
+def _climb(experiment: Experiment, values: Values) -> Climb:
+    """All that may be changed, its sizes by a candidate's gains."""
+    user = experiment.user
+    knobs = [knob for term in terms_of(user) for knob in term.knobs]
+    return Climb(experiment, parameters_of(user, knobs, scales_of(experiment, values)))
+
+
+def _together(
+    experiment: Experiment, recordings: Sequence[Recording], terms: Sequence[Term], say: Tell
+) -> tuple[Climb, FloatArray]:
+    """The likeliest coordinates with all ordinary parameters fitted together."""
+    user = experiment.user
+    short = Experiment(
+        user, recordings, length=_SHORT, warm=0.2, most_rows=_FEW, most_seconds=_BRIEF
+    )
+    scan = _climb(short, {})
+    values = scan.values(scan.with_gains())
+    climb = _climb(experiment, values)
+    active = np.zeros(len(climb.start), dtype=bool)
+    active[[climb.place[term.knobs[0]] for term in terms if is_ordinary(user, term)]] = True
+    begun = Climb(short, climb.parameters)
+    prompt = active & [each.knob.property not in _LATE for each in climb.parameters]
+    from_afar = begun.x_of(values)
+    smooth = begun.to_top(from_afar, prompt, *_BEGIN)
+    tried = [begun.to_top(at, active, *_BEGIN) for at in (from_afar, smooth)]
+    x = max((smooth, *tried), key=lambda at: begun.log(at, begun.run(at)))
+    x = climb.to_top(x, prompt, *_ALL) if x is smooth else climb.to_top(x, active, *_ALL)
+    limited = climb.with_limits(x)
+    if not np.array_equal(limited, x):
+        active |= limited != x
+        x = climb.to_top(limited, active, *_ALL)
+    size = np.std(climb.experiment.measured, axis=0)
+    left = [
+        float(np.mean(np.sqrt(np.mean((climb.experiment.measured - shown) ** 2, axis=0)) / size))
+        for shown in (climb.run(climb.start), climb.run(x))
+    ]
+    say(f"all of every drive fitted together: {left[0]:.2g} of the motion left, now {left[1]:.2g}")
+    return climb, told_once(climb, x)
+
+
+def _fitted(
+    choice: Choice, x: FloatArray, chosen: Sequence[Term], steps: tuple[int, float]
+) -> FloatArray:
+    """The likeliest coordinates where chosen terms alone are not the user's."""
+    climb = choice.climb
+    active = np.zeros(len(x), dtype=bool)
+    active[choice.places(chosen)] = True
+    begins = (np.where(active, x, climb.start), choice.x_of(chosen))
+    return climb.to_top(max(begins, key=lambda at: climb.log(at, climb.run(at))), active, *steps)
 
 
 def _share(measured: FloatArray, without: FloatArray, with_it: FloatArray) -> float:
@@ -174,13 +312,10 @@ def _shows(
 
 
 def _judged(
-    selection: Selection,
-    about: Sensitivities,
+    choice: Choice,
+    x: FloatArray,
     chosen: tuple[Term, ...],
-    values: Values,
-    sigma: FloatArray,
     noise: FloatArray,
-    experiment: Experiment,
     held_out: Experiment,
 ) -> Explained:
     """Errors, rivals, and each term left out in turn on data that nothing was learnt from.
@@ -188,20 +323,15 @@ def _judged(
     Without it the others are as straight lines have them, or as they were with it: whatever does
     better on what was learnt from, for a poor fit of the others is no merit of the term.
     """
-    blocks = selection.blocks
-    places = selection.places(chosen)
-    x = np.zeros(len(about.knobs))
-    x[places] = about.at[places]
-    covariance = blocks.covariance(places, x)
-    std = {
-        about.knobs[p]: about.std_of(p, float(np.sqrt(covariance[i, i])))
-        for i, p in enumerate(places)
-    }
+    climb, limits, user = choice.climb, choice.limits, held_out.user
+    values, std = climb.values(x), choice.std_of(chosen)
+    sigma = np.maximum(
+        np.sqrt(np.mean((climb.experiment.measured - climb.run(x)) ** 2, axis=0)), noise
+    )
     before = held_out.run({}, as_it_is=True)
     after = held_out.run(values, as_it_is=True)
     with_values = held_out.run(values)
     of_step = np.sqrt(np.mean((with_values - after) ** 2, axis=0))
-    user, limits = held_out.user, selection.limits
     count = int(held_out.block.max()) + 1
 
     def loss(shown: FloatArray) -> FloatArray:
@@ -212,33 +342,43 @@ def _judged(
     gains, share, shows = {}, {}, {}
     for term in chosen:
         others = [each for each in chosen if each != term]
-        lines = about.values(blocks.solve(selection.places(others)))
-        fewer = {k: v for k, v in values.items() if any(k in each.knobs for each in others)}
-        without = min(lines, fewer, key=lambda each: cost(experiment, each, sigma))
+        own = [i for i in choice.places([term]) if i not in choice.places(others)]
+        fewer = x.copy()
+        fewer[own] = climb.start[own]
+        without = max((choice.x_of(others), fewer), key=lambda at: climb.log(at, climb.run(at)))
         try:
-            shown = held_out.run(without)
+            shown = held_out.run(climb.values(without))
         except SimulationError:
             shown = np.full_like(with_values, np.inf)
         left = loss(shown)
         shows[term] = _shows(shown - with_values, noise, term, values, user, limits)
         gains[term], share[term] = left - with_all, _share(held_out.measured, shown, with_values)
     return Explained(
-        user=held_out.user,
+        user=user,
         terms=chosen,
         kept=chosen,
-        values=dict(values),
-        patch=dict(values),
-        alone=dict(values),
-        std=std,
-        rivals={term: selection.rivals(chosen, term) for term in chosen},
+        values=values,
+        patch=values,
+        alone=values,
+        std={
+            climb.parameters[i].knob: climb.std_of(climb.parameters[i].knob, x, float(std[i]))
+            for i in choice.places(chosen)
+        },
+        rivals={term: choice.rivals(chosen, term) for term in chosen},
         gains=gains,
         share=share,
         shows=shows,
         sigma=sigma,
         noise=noise,
         of_step=of_step,
-        blocks=len(blocks.c),
+        blocks=int(climb.experiment.block.max()) + 1,
         held_out=held_out,
         before=before,
         after=after,
     )
+
+
+def _t_of(gains: FloatArray) -> float:
+    """Mean of the blocks' gains over its standard error."""
+    error = float(np.std(gains, ddof=1)) / np.sqrt(len(gains)) if len(gains) > 1 else np.inf
+    return float(np.mean(gains)) / max(error, 1e-300)

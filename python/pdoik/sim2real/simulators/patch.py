@@ -89,6 +89,7 @@ class _Editor:
                 self._gains(k)
             if mine & set(_OF_BODY):
                 self._body(self.user.body_of(k))
+            self._smoothing(k, mine)
         self._damping_ratios()
         if self.user.law is not None and self.user.law.gravity_compensation:
             self.left_out.append(
@@ -138,6 +139,40 @@ class _Editor:
         if "dampratio" in tag.attributes:
             changed["dampratio"] = None
         self._edit(tag, changed)
+
+    def _smoothing(self, k: int, mine: set[str]) -> None:
+        """What smooths a drive's commands, and the largest torque that it gives."""
+        shown = {
+            name: self.values[Knob(name, k)] for name in ("filter", "force_limit") if name in mine
+        }
+        if not shown:
+            return
+        joint = self.user.joints[k]
+        tag = None if self.user.law_outside else self._actuator(k)
+        if tag is None or (tag.name not in ("position", "general") and "filter" in shown):
+            told = ", ".join(f"{name} {value:.3g}" for name, value in shown.items())
+            self.left_out.append(f"{told} of {joint}: to be given to the controller")
+            return
+        changed: dict[str, str | None] = {}
+        if "filter" in shown and tag.name == "position":
+            changed["timeconst"] = _number(self._time_constant(shown["filter"]))
+        elif "filter" in shown:
+            constant = _number(self._time_constant(shown["filter"]))
+            changed |= {"dyntype": "filterexact", "dynprm": constant}
+        if "force_limit" in shown:
+            actuator = self.user.actuators[k]
+            changed["forcerange"] = _numbers(self.candidate.actuator_forcerange[actuator])
+            if "forcelimited" in tag.attributes:
+                changed["forcelimited"] = "true"
+        self._edit(tag, changed)
+
+    def _time_constant(self, late: float) -> float:
+        """Of a filter of MuJoCo's that is late by so much in the mean [s].
+
+        Its drives act on the activation of the step before.
+        """
+        step = self.user.timestep
+        return float(-step / np.log1p(-step / max(late, 1.01 * step)))
 
     def _damping_ratios(self) -> None:
         """A ratio of damping would follow other inertias, so it becomes the gain that it was."""

@@ -26,5 +26,7 @@ PROPERTIES: dict[str, Property] = {
         body_words.CentreY(),
         body_words.CentreZ(),
         drive_words.Delay(),
+        drive_words.Filter(),
+        drive_words.ForceLimit(),
     )
 }

@@ -17,18 +17,10 @@ class SimulatorThresholds(Group):
     """Of candidates that are simulated under recorded commands."""
 
     false_alarms: float = threshold(
-        0.05, "probability of a term by chance, over all that are tried"
+        0.05, "probability, before the data, that any of what few machines have differs"
     )
-    least_gain: float = threshold(
-        0.002, "share of the squared error that a term must gain on data it was not learnt from"
-    )
-    apart_t: float = threshold(
-        2.0, "errors, over blocks, by which two terms must differ to be distinguished", "s.e."
-    )
-    alike_in_all: float = threshold(
-        0.9,
-        "share of what each joint's own figure takes away that one figure for all joints must take"
-        " away, to be told in their place",
+    differs: float = threshold(
+        0.1, "probability, before the data, that what every machine has differs enough to be named"
     )
     least_confidence: float = threshold(
         0.75, "confidence below which a finding is suspected, not claimed"

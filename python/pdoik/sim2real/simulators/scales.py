@@ -1,0 +1,46 @@
+"""Typical sizes of what joints do in some recordings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..study.recording import FloatArray
+from .candidates import Values, model_with
+from .experiment import Experiment
+from .property import Scales
+from .vocabulary import PROPERTIES
+
+
+def scales_of(experiment: Experiment, values: Values) -> tuple[Scales, ...]:
+    """Typical sizes at each joint, of the recordings' motion and a candidate's gains."""
+    model = model_with(experiment.user, values)
+    user = replace(experiment.user, model=model)
+    found = []
+    for k in range(len(user.joints)):
+        errors, speeds, accelerations, travels = [], [], [], []
+        for each in experiment.recordings:
+            assert each.q_des is not None
+            q = each.q[:, k]
+            smooth = np.convolve(q, np.ones(5) / 5.0, mode="valid")
+            speed = np.gradient(smooth, each.period)
+            errors.append(_rms(each.q_des[:, k] - q))
+            speeds.append(_rms(speed))
+            accelerations.append(_rms(np.gradient(speed, each.period)))
+            travels.append(float(np.std(q)))
+        gain = abs(PROPERTIES["kp"].read(user, k))
+        found.append(
+            Scales(
+                torque=max(gain * max(errors), 1e-4 * gain, 1e-6),
+                speed=max(*speeds, 1e-2),
+                acceleration=max(*accelerations, 1e-1),
+                travel=max(*travels, 1e-2),
+                mass=max(float(model.body_subtreemass[user.body_of(k)]), 1e-3),
+            )
+        )
+    return tuple(found)
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,111 @@
+"""One candidate in other coordinates: what several joints have alike is told of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+import numpy as np
+
+from ..study.recording import FloatArray
+from .candidates import Knob
+from .climb import Climb
+from .property import EVERY
+
+
+class _Figures:
+    """Values of all parameters, and what they are over the user's where these are not zero."""
+
+    def __init__(self, values: Mapping[Knob, float], ratios: Mapping[Knob, float]) -> None:
+        self.values, self.ratios = values, ratios
+
+    def of(self, name: str) -> dict[Knob, float]:
+        """Of each joint's own."""
+        return {k: v for k, v in self.values.items() if k.property == name and k.index != EVERY}
+
+
+Way = Callable[[_Figures], dict[Knob, float] | None]
+
+
+def told_once(climb: Climb, x: FloatArray) -> FloatArray:
+    """The likeliest coordinates, before the data, of the candidate that x is, or nearly is.
+
+    A delay of all joints stands for what theirs have in common, a factor of all proportional gains
+    or of all gains for theirs, a factor of one drive for its two gains.
+    """
+    each_drive = [partial(_with_factor, k=k) for k in range(len(climb.experiment.user.joints))]
+    stages: tuple[tuple[Way, ...], ...] = (
+        (_with_delay,),
+        (_with_factor_of_kp, _with_factor_of_gains),
+        *((way,) for way in each_drive),
+    )
+    for ways in stages:
+        others = [_changed(climb, x, way) for way in ways]
+        x = max((x, *others), key=lambda at: _log_prior(climb, at))
+    return x
+
+
+def _log_prior(climb: Climb, x: FloatArray) -> float:
+    return -float((((x - climb.start) / climb.std) ** 2).sum())
+
+
+def _changed(climb: Climb, x: FloatArray, way: Way) -> FloatArray:
+    """The candidate with changed figures; x if there are none of that kind."""
+    values = {
+        each.knob: each.value(float(at)) for each, at in zip(climb.parameters, x, strict=True)
+    }
+    ratios = {
+        each.knob: values[each.knob] / base
+        for each in climb.parameters
+        if (base := each.value(each.start)) > 0.0
+    }
+    changed = way(_Figures(values, ratios))
+    if changed is None or not changed.keys() <= climb.place.keys():
+        return x
+    other = x.copy()
+    for knob, value in changed.items():
+        i = climb.place[knob]
+        other[i] = climb.parameters[i].x_of(value)
+    return other
+
+
+def _with_delay(figures: _Figures) -> dict[Knob, float] | None:
+    own = figures.of("delay")
+    usual = float(np.median([*own.values()]))
+    if usual <= 0.0 or len(own) < 2:
+        return None
+    shared = figures.values[Knob("delay", EVERY)] + usual
+    rest = {knob: max(value - usual, 0.0) for knob, value in own.items()}  # none comes early
+    return {Knob("delay", EVERY): shared, **rest}
+
+
+def _with_factor_of_kp(figures: _Figures) -> dict[Knob, float] | None:
+    own = figures.of("kp")
+    if len(own) < 2:
+        return None
+    factor = float(np.median([figures.ratios[knob] for knob in own]))
+    changed = {knob: value / factor for knob, value in own.items()}
+    return {**changed, Knob("kp_factor", EVERY): figures.values[Knob("kp_factor", EVERY)] * factor}
+
+
+def _with_factor_of_gains(figures: _Figures) -> dict[Knob, float] | None:
+    changed = _with_factor_of_kp(figures)
+    if changed is None:
+        return None
+    before = figures.values[Knob("kp_factor", EVERY)]
+    factor = changed.pop(Knob("kp_factor", EVERY))
+    changed |= {knob: value / (factor / before) for knob, value in figures.of("kv").items()}
+    shared = figures.values[Knob("gain_factor", EVERY)] * factor / before
+    return {**changed, Knob("gain_factor", EVERY): shared}
+
+
+def _with_factor(figures: _Figures, k: int) -> dict[Knob, float] | None:
+    kp, kv, both = (Knob(name, k) for name in ("kp", "kv", "gain_factor"))
+    if kp not in figures.values or both not in figures.values:
+        return None
+    factor = figures.ratios[kp]
+    return {
+        kp: figures.values[kp] / factor,
+        kv: figures.values[kv] / factor,
+        both: figures.values[both] * factor,
+    }
