@@ -121,8 +121,16 @@ class Choice:
 
         Where many small changes undo each other, none of them can be dropped alone.
         """
-        found = [self._climbed(terms) for terms in (start, ())]
+        found = [self._climbed(terms) for terms in (self.without_doubles(start), ())]
         return max(found, key=self._log_posterior)
+
+    def without_doubles(self, terms: Sequence[Term]) -> tuple[Term, ...]:
+        """Of terms that are one torque those that moved most: they could only undo each other."""
+        kept: list[Term] = []
+        for term in sorted(set(terms) & set(self.terms), key=lambda each: -self.moves(each)):
+            if not any(self._likeness(term, each) > _SAME for each in kept):
+                kept.append(term)
+        return tuple(term for term in self.terms if term in kept)
 
     def _log_posterior(self, terms: Sequence[Term]) -> float:
         return self.model(terms).log_evidence + self.log_odds(terms)
@@ -192,7 +200,10 @@ class Choice:
         taken = set(self.places(now))
         for term in self.terms:
             if set(self.places([term])) <= taken or any(
-                stands_for(term, each) or stands_for(each, term) for each in now
+                stands_for(term, each)
+                or stands_for(each, term)
+                or self._likeness(term, each) > _SAME
+                for each in now
             ):
                 continue
             after = self.model([*now, term], model, _QUICK).log_evidence

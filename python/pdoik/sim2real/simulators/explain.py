@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import expit
+from scipy.stats import norm
 from scipy.stats import t as student
 
 from ..simulation.stepper import SimulationError
@@ -83,7 +84,7 @@ class Explained:
         return sure and self.holds(term, limits)
 
     def confidence(self, term: Term, limits: SimulatorThresholds) -> float:
-        """Probability that a term is there, and none of its rivals in its place.
+        """Probability that a term is there, as a change to its side, and none of its rivals.
 
         It is no larger than the share of findings that were true of machines with more to them
         than their simulator has words for, at the same gain: what takes away little of the error
@@ -93,7 +94,17 @@ class Explained:
         odds = sum(each.probability / (1.0 - min(each.probability, 0.99)) for each in rivals)
         gain = float(np.clip(self.share[term], 1e-4, 1.0 - 1e-4))
         log_odds = limits.base + limits.per_gain * np.log(gain / (1.0 - gain))
-        return min(self.there(term) / (1.0 + odds), float(expit(log_odds)))
+        known = min(self.there(term) / (1.0 + odds), float(expit(log_odds)))
+        return min(known, self._differs(term))
+
+    def _differs(self, term: Term) -> float:
+        """Probability that one of its figures lies on that side of the user's."""
+        sides = (
+            float(norm.cdf(abs(self.values[knob] - baseline(self.user, knob)) / self.std[knob]))
+            for knob in term.knobs
+            if knob in self.values and self.std.get(knob, 0.0) > 0.0
+        )
+        return max(sides, default=1.0)  # what rests on a bound has no error
 
 
 def explain(
@@ -196,7 +207,7 @@ def _chosen(
     choice = about(x)
     back: tuple[Term, ...] = ()
     for k in range(1, _ROUNDS + 1):
-        wanted = tuple(dict.fromkeys((*choice.chosen(chosen), *back)))
+        wanted = choice.without_doubles((*choice.chosen(chosen), *back))
         say(f"round {k}: {len(wanted)} properties differ")
         if set(wanted) == set(chosen):
             break
