@@ -24,6 +24,7 @@ _UNLIKE = 0.3  # cosine below which two terms cannot stand for each other
 _NEGATIVE = 0.1  # of what is believed of a coordinate, that lines may lead below zero
 _ALIKE = 0.9  # cosine from which two terms may undo each other
 _SAME = 0.999  # cosine from which two terms are one torque
+_BOTH_BRAKE = {"kv", "damping"}  # one torque, unless a limit is reached
 _FEW = 6  # rivals that are looked at, the most alike
 _OF_ALL = {
     "kp_factor": {"kp"},
@@ -128,9 +129,16 @@ class Choice:
         """Of terms that are one torque those that moved most: they could only undo each other."""
         kept: list[Term] = []
         for term in sorted(set(terms) & set(self.terms), key=lambda each: -self.moves(each)):
-            if not any(self._likeness(term, each) > _SAME for each in kept):
+            if not any(self._is_double(term, each) for each in kept):
                 kept.append(term)
         return tuple(term for term in self.terms if term in kept)
+
+    def _is_double(self, one: Term, other: Term) -> bool:
+        return (
+            one.indices == other.indices
+            and {one.name, other.name} == _BOTH_BRAKE
+            and self._likeness(one, other) > _SAME
+        )
 
     def _log_posterior(self, terms: Sequence[Term]) -> float:
         return self.model(terms).log_evidence + self.log_odds(terms)
@@ -200,9 +208,7 @@ class Choice:
         taken = set(self.places(now))
         for term in self.terms:
             if set(self.places([term])) <= taken or any(
-                stands_for(term, each)
-                or stands_for(each, term)
-                or self._likeness(term, each) > _SAME
+                stands_for(term, each) or stands_for(each, term) or self._is_double(term, each)
                 for each in now
             ):
                 continue
