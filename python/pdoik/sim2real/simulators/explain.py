@@ -97,12 +97,17 @@ class Explained:
         known = min(self.there(term) / (1.0 + odds), float(expit(log_odds)))
         return min(known, self._differs(term))
 
+    def error_of(self, knob: Knob) -> float:
+        """Standard error of a figure, and what it changes by where what is not sure is left out."""
+        value = self.values.get(knob, baseline(self.user, knob))
+        return float(np.hypot(self.std.get(knob, 0.0), self.alone.get(knob, value) - value))
+
     def _differs(self, term: Term) -> float:
         """Probability that one of its figures lies on that side of the user's."""
         sides = (
-            float(norm.cdf(abs(self.values[knob] - baseline(self.user, knob)) / self.std[knob]))
+            float(norm.cdf(abs(self.values[knob] - baseline(self.user, knob)) / error))
             for knob in term.knobs
-            if knob in self.values and self.std.get(knob, 0.0) > 0.0
+            if knob in self.values and (error := self.error_of(knob)) > 0.0
         )
         return max(sides, default=1.0)  # what rests on a bound has no error
 

@@ -102,8 +102,7 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
     parameters = {}
     for knob in term.knobs:
         value = values.get(knob, baseline(user, knob))
-        other = explained.alone.get(knob, value)  # what is only suspected may not be there
-        std = float(np.hypot(explained.std[knob], other - value))
+        std = explained.error_of(knob)
         parameters[knob.property] = Estimate(
             value=value,
             std=std,
