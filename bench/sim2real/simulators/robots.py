@@ -81,6 +81,14 @@ def found_in(comparison: Comparison) -> str:
     return "\n".join(lines)
 
 
+def told_of(comparison: Comparison) -> str:
+    """Errors as the simulator is and patched, and what was found."""
+    assert comparison.machine is not None
+    explained = comparison.machine.explained
+    sides = {"as it is [mrad]": explained.before, "patched": explained.after}
+    return f"{errors_by_joint(comparison, sides)}\n{found_in(comparison)}"
+
+
 def position_servos(
     joints: Iterable[str], kp: Iterable[float], kv: Iterable[float], **more: str
 ) -> list[dict[str, str]]:

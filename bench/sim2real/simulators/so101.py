@@ -19,7 +19,7 @@ import numpy as np
 import typer
 import yaml
 
-from bench.sim2real.simulators.robots import errors_by_joint, found_in, position_servos
+from bench.sim2real.simulators.robots import position_servos, told_of
 from pdoik.sim2real.simulation.description import read_description
 from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
 from pdoik.sim2real.simulation.plant import build_plant
@@ -121,12 +121,7 @@ def main(
 ) -> None:
     """Compare, print the table and what was found."""
     with TemporaryDirectory() as home:
-        comparison = compare(study(folder, Path(home), FIGURES[figures]))
-    assert comparison.machine is not None
-    explained = comparison.machine.explained
-    sides = {"as it is [mrad]": explained.before, "patched": explained.after}
-    typer.echo(errors_by_joint(comparison, sides))
-    typer.echo(found_in(comparison))
+        typer.echo(told_of(compare(study(folder, Path(home), FIGURES[figures]))))
 
 
 if __name__ == "__main__":

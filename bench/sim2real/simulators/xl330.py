@@ -16,7 +16,7 @@ import numpy as np
 import typer
 import yaml
 
-from bench.sim2real.simulators.robots import errors_by_joint, found_in
+from bench.sim2real.simulators.robots import told_of
 from pdoik.sim2real.simulators.compare import compare
 
 MOTIONS, HELD_OUT = ("sin_sin", "up_and_down"), "sin_time_square"
@@ -68,12 +68,7 @@ def main(
 ) -> None:
     """Compare, print the table and what was found."""
     with TemporaryDirectory() as home:
-        comparison = compare(study(folder, Path(home), gain))
-    assert comparison.machine is not None
-    explained = comparison.machine.explained
-    sides = {"as it is [mrad]": explained.before, "patched": explained.after}
-    typer.echo(errors_by_joint(comparison, sides))
-    typer.echo(found_in(comparison))
+        typer.echo(told_of(compare(study(folder, Path(home), gain))))
 
 
 if __name__ == "__main__":

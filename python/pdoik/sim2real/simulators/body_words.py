@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from ..study.recording import FloatArray
-from .property import OfArray, Scales
+from .property import OfArray
 from .user_model import UserModel
 
 
@@ -17,15 +17,11 @@ class Mass(OfArray):
 
     array = "body_mass"
     name, unit, place = "mass", "kg", "link"
-    lowest, ends = 1e-6, True
     isaac = "mass of the body"
     gazebo = "<inertial><mass>"
 
     def at(self, user: UserModel, index: int) -> int:
         return user.body_of(index)
-
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.03 * scales.mass
 
 
 class CentreOfMass(OfArray):
@@ -33,16 +29,12 @@ class CentreOfMass(OfArray):
 
     array = "body_ipos"
     unit, place = "m", "link"
-    lowest = float("-inf")
     isaac = "centre of mass of the body"
     gazebo = "<inertial><pose>"
     axis: ClassVar[int]
 
     def at(self, user: UserModel, index: int) -> tuple[int, int]:
         return user.body_of(index), self.axis
-
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.003
 
 
 class CentreX(CentreOfMass):

@@ -52,14 +52,6 @@ class Term:
         """Places in the study's joints."""
         return frozenset(knob.index for knob in self.knobs)
 
-    def is_made_of(self, other: Term) -> bool:
-        """Whether it turns what another term turns, as a factor of two gains does."""
-        return any(
-            mine.index == its.index and its.property in PROPERTIES[mine.property].turns
-            for mine in self.knobs
-            for its in other.knobs
-        )
-
 
 Values = Mapping[Knob, float]
 
@@ -71,22 +63,14 @@ def terms_of(user: UserModel) -> tuple[Term, ...]:
     found += [Term("spring", (Knob("stiffness", k), Knob("spring_torque", k))) for k in range(n)]
     found += [Term("gains", (Knob("gain_factor", k),)) for k in range(n)]
     if n > 1:
-        found += [Term("delay", (Knob("delay", EVERY),)), *gains_of_all(user)]
+        shared = (("delay", "delay"), ("gains", "gain_factor"), ("kp", "kp_factor"))
+        found += [Term(name, (Knob(knob, EVERY),)) for name, knob in shared]
     heavy = [k for k in range(n) if user.model.body_mass[user.body_of(k)] > 0.0]
     found += [Term("mass", (Knob("mass", k),)) for k in heavy]
     last = [k for k in heavy if not _carries_joints(user, k)]
     loaded = ("mass", *_CENTRE)
     found += [Term("payload", tuple(Knob(name, k) for name in loaded)) for k in last]
     return tuple(found)
-
-
-def gains_of_all(user: UserModel) -> tuple[Term, ...]:
-    """Of all drives alike, both gains and the stiffness alone; of one drive its own."""
-    if len(user.joints) == 1:
-        both: tuple[Knob, ...] = (Knob("kp", 0), Knob("kv", 0))
-        return Term("gains", both), Term("kp", both[:1])
-    named = (("gains", "gain_factor"), ("kp", "kp_factor"))
-    return tuple(Term(name, (Knob(knob, EVERY),)) for name, knob in named)
 
 
 def baseline(user: UserModel, knob: Knob) -> float:

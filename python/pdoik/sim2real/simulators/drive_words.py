@@ -6,13 +6,13 @@ from typing import Any
 
 import mujoco
 
-from .property import EVERY, Gain, Property, Scales, held
+from .property import EVERY, Property, held
 from .user_model import UserModel
 
 UNLIMITED = 1e9  # what no drive gives [N m]
 
 
-class Kp(Gain):
+class Kp(Property):
     """Proportional gain of the position actuator."""
 
     name, unit = "kp", "N m/rad"
@@ -27,9 +27,6 @@ class Kp(Gain):
         k, share = user.actuators[index], value / self.read(user, index)
         model.actuator_biasprm[k, 1] = user.model.actuator_biasprm[k, 1] * share
         model.actuator_gainprm[k, 0] = user.model.actuator_gainprm[k, 0] * share
-
-    def step(self, scales: Scales, value: float) -> float:
-        return -0.03 * value
 
 
 class Kv(Property):
@@ -46,14 +43,11 @@ class Kv(Property):
     def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
         model.actuator_biasprm[user.actuators[index], 2] = -value / _gear(user, index) ** 2
 
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.05 * scales.torque / scales.speed
-
     def feigned(self, user: UserModel, index: int) -> float:
         return Kp().read(user, index) * held(user)
 
 
-class KpFactor(Gain):
+class KpFactor(Property):
     """By how much all proportional gains differ alike: a unit, or firmware."""
 
     name, unit, place = "kp_factor", "", "machine"
@@ -68,14 +62,11 @@ class KpFactor(Gain):
             model.actuator_biasprm[k, 1] *= value
             model.actuator_gainprm[k, 0] *= value
 
-    def step(self, scales: Scales, value: float) -> float:
-        return -0.03 * value
 
-
-class GainFactor(Gain):
+class GainFactor(Property):
     """By how much a drive's gains differ alike, of all drives or one: a torque constant."""
 
-    name, unit, turns = "gain_factor", "", ("kp", "kv")
+    name, unit = "gain_factor", ""
     mujoco = "kp and kv, times this"
     isaac = "stiffness and damping of the joint's drive, times this"
     gazebo = "<p_gain> and <d_gain> of the position controller, times this"
@@ -87,9 +78,6 @@ class GainFactor(Gain):
         for k in user.actuators if index == EVERY else (user.actuators[index],):
             model.actuator_biasprm[k, 1:3] *= value
             model.actuator_gainprm[k, 0] *= value
-
-    def step(self, scales: Scales, value: float) -> float:
-        return -0.03 * value
 
 
 class Delay(Property):
@@ -104,9 +92,6 @@ class Delay(Property):
 
     def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
         """Nothing of the model: `Experiment` shifts the commands."""
-
-    def step(self, scales: Scales, value: float) -> float:
-        return 2e-3
 
     def feigned(self, user: UserModel, index: int) -> float:
         return held(user)
@@ -132,9 +117,6 @@ class Filter(Property):
         if has_filter(user, actuator):
             model.actuator_dynprm[actuator, 0] = max(value, 1e-6)
 
-    def step(self, scales: Scales, value: float) -> float:
-        return 2e-3
-
     def feigned(self, user: UserModel, index: int) -> float:
         return held(user)
 
@@ -159,15 +141,6 @@ class ForceLimit(Property):
         actuator, most = user.actuators[index], value / abs(_gear(user, index))
         model.actuator_forcelimited[actuator] = 1
         model.actuator_forcerange[actuator] = -most, most
-
-    def step(self, scales: Scales, value: float) -> float:
-        return -0.03 * value
-
-    def coordinate(self, value: float) -> float:
-        return 1.0 / value
-
-    def value_at(self, coordinate: float) -> float:
-        return 1.0 / max(coordinate, 1.0 / UNLIMITED)
 
 
 def has_filter(user: UserModel, actuator: int) -> bool:

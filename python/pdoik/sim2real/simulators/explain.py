@@ -61,7 +61,7 @@ class Explained:
 
     def left(self, shown: FloatArray) -> float:
         """Of held-out data, over what is expected, squared."""
-        return float((((self.held_out.measured - shown) / self.sigma) ** 2).sum())
+        return float(_squares(self.held_out, shown, self.sigma).sum())
 
     def there(self, term: Term) -> float:
         """Probability that held-out data are better explained with a term than without."""
@@ -280,10 +280,18 @@ def _fitted(
 ) -> FloatArray:
     """The likeliest coordinates where chosen terms alone are not the user's."""
     climb = choice.climb
+    if not chosen:
+        return climb.start
     active = np.zeros(len(x), dtype=bool)
     active[choice.places(chosen)] = True
     begins = (np.where(active, x, climb.start), choice.x_of(chosen))
     return climb.to_top(max(begins, key=lambda at: climb.log(at, climb.run(at))), active, *steps)
+
+
+def _squares(held_out: Experiment, shown: FloatArray, sigma: FloatArray) -> FloatArray:
+    """What is not shown, over what is expected, squared, (R,)."""
+    squares: FloatArray = (((held_out.measured - shown) / sigma) ** 2).sum(axis=1)
+    return squares
 
 
 def _share(measured: FloatArray, without: FloatArray, with_it: FloatArray) -> float:
@@ -351,7 +359,7 @@ def _judged(
     count = int(held_out.block.max()) + 1
 
     def loss(shown: FloatArray) -> FloatArray:
-        squares = (((held_out.measured - shown) / sigma) ** 2).sum(axis=1)
+        squares = _squares(held_out, shown, sigma)
         return np.bincount(held_out.block, squares, minlength=count).astype(np.float64)
 
     with_all = loss(with_values)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from . import drive_words
-from .property import OfArray, Property, Scales, held
+from .property import OfArray, Property, held
 from .user_model import UserModel
 
 _SOFTEST = 1e-6  # a spring that gives its torque wherever the joint is [N m/rad]
@@ -26,9 +26,6 @@ class Damping(OfDof):
     isaac = "damping of the joint (not of its drive)"
     gazebo = "<axis><dynamics><damping>"
 
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.05 * scales.torque / scales.speed
-
     def feigned(self, user: UserModel, index: int) -> float:
         return drive_words.Kp().read(user, index) * held(user)
 
@@ -41,9 +38,6 @@ class FrictionLoss(OfDof):
     isaac = "static and dynamic friction effort (joint friction)"
     gazebo = "<axis><dynamics><friction>"
 
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.05 * scales.torque
-
 
 class Armature(OfDof):
     """The rotor's inertia as the joint sees it."""
@@ -52,9 +46,6 @@ class Armature(OfDof):
     name, unit = "armature", "kg m^2"
     isaac = "armature"
     gazebo = "none: add it to the link's <inertia> about the axis"
-
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.05 * scales.torque / scales.acceleration
 
     def feigned(self, user: UserModel, index: int) -> float:
         return drive_words.Kv().read(user, index) * held(user)
@@ -71,9 +62,6 @@ class Stiffness(OfArray):
     def at(self, user: UserModel, index: int) -> int:
         return user.joint_ids[index]
 
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.05 * scales.torque / scales.travel
-
 
 class SpringTorque(Property):
     """Torque of a joint's spring where the joint is at zero: stiffness times `springref`.
@@ -83,7 +71,6 @@ class SpringTorque(Property):
     """
 
     name, unit = "spring_torque", "N m"
-    lowest = float("-inf")
     mujoco = "springref: this over the stiffness"
     isaac = "target of that drive: this over its stiffness"
     gazebo = "<axis><dynamics><spring_reference>: this over the stiffness"
@@ -100,21 +87,14 @@ class SpringTorque(Property):
         model.jnt_stiffness[joint] = max(model.jnt_stiffness[joint], _SOFTEST)
         model.qpos_spring[user.qpos[index]] = value / float(model.jnt_stiffness[joint])
 
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.05 * scales.torque
-
 
 class Ref(OfArray):
     """Encoder zero: what the machine's encoder shows where the model's joint is at zero."""
 
     array = "qpos0"
     name, unit = "ref", "rad"
-    lowest = float("-inf")
     isaac = "none: add it to positions and commands of this joint"
     gazebo = "none: turn the joint's <pose> back by it"
 
     def at(self, user: UserModel, index: int) -> int:
         return user.qpos[index]
-
-    def step(self, scales: Scales, value: float) -> float:
-        return 0.01

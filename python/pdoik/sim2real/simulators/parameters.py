@@ -10,7 +10,8 @@ import numpy as np
 
 from .candidates import Knob, baseline
 from .drive_words import UNLIMITED
-from .property import EVERY, Scales
+from .property import EVERY
+from .scales import Scales
 from .user_model import UserModel
 
 ORDINARY = (

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..study.recording import FloatArray
 from .candidates import Values, model_with
 from .experiment import Experiment
-from .property import Scales
 from .vocabulary import PROPERTIES
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scales:
+    """Typical sizes at one joint under the recorded commands, which units are made of."""
+
+    torque: float  # root mean square of the drive's [N m]
+    speed: float  # [rad/s]
+    acceleration: float  # [rad/s^2]
+    travel: float  # of the position about its mean [rad]
 
 
 def scales_of(experiment: Experiment, values: Values) -> tuple[Scales, ...]:
@@ -36,7 +45,6 @@ def scales_of(experiment: Experiment, values: Values) -> tuple[Scales, ...]:
                 speed=max(*speeds, 1e-2),
                 acceleration=max(*accelerations, 1e-1),
                 travel=max(*travels, 1e-2),
-                mass=max(float(model.body_subtreemass[user.body_of(k)]), 1e-3),
             )
         )
     return tuple(found)
