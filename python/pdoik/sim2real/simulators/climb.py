@@ -65,11 +65,6 @@ class Climb:
             x[self.place[knob]] = self.parameters[self.place[knob]].x_of(value)
         return x
 
-    def std_of(self, knob: Knob, x: FloatArray, std: float) -> float:
-        """Standard error of a value, in its unit, from that of its coordinate."""
-        i = self.place[knob]
-        return std * abs(self.parameters[i].slope(float(x[i])))
-
     def run(self, x: FloatArray) -> FloatArray:
         """(R, C); NaN where a candidate is unstable."""
         try:

@@ -10,6 +10,7 @@ from scipy.special import expit
 from scipy.stats import norm
 from scipy.stats import t as student
 
+from ..findings import Estimate
 from ..simulation.stepper import SimulationError
 from ..study.recording import FloatArray, Recording
 from ..thresholds.simulators import SimulatorThresholds
@@ -19,7 +20,7 @@ from .climb import Climb, Mask
 from .experiment import Experiment
 from .follows import check_follows
 from .noise import noise_of
-from .parameters import parameters_of
+from .parameters import Parameter, parameters_of
 from .scales import scales_of
 from .told_once import told_once
 from .user_model import UserModel
@@ -46,7 +47,8 @@ class Explained:
     values: dict[Knob, float]  # of all terms, fitted together
     patch: dict[Knob, float]  # of those kept, fitted without the others
     alone: dict[Knob, float]  # of those whose names are believed, fitted without the others
-    std: dict[Knob, float]
+    parameters: dict[Knob, Parameter]  # of all terms
+    std: dict[Knob, float]  # of their coordinates
     rivals: dict[Term, tuple[Rival, ...]]
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
     share: dict[Term, float]  # of the squared held-out error that it takes away, where most
@@ -98,16 +100,34 @@ class Explained:
         return min(known, self._differs(term))
 
     def error_of(self, knob: Knob) -> float:
-        """Standard error of a figure, and what it changes by where what is not sure is left out."""
-        value = self.values.get(knob, baseline(self.user, knob))
-        return float(np.hypot(self.std.get(knob, 0.0), self.alone.get(knob, value) - value))
+        """Standard error of a coordinate, with its change where what is not sure is left out."""
+        parameter, value = self.parameters[knob], self.values.get(knob)
+        if value is None:
+            return self.std.get(knob, 0.0)
+        change = parameter.x_of(self.alone.get(knob, value)) - parameter.x_of(value)
+        return float(np.hypot(self.std.get(knob, 0.0), change))
+
+    def estimate(self, knob: Knob, value: float, width: float) -> Estimate:
+        """A figure with its interval, `width` standard errors of its coordinate to either side."""
+        parameter, error = self.parameters[knob], self.error_of(knob)
+        x = parameter.x_of(value)
+        low, high = (parameter.value(x + side * width * error) for side in (-1.0, 1.0))
+        if parameter.kind == "gap":
+            low = max(low, 0.0)
+        return Estimate(
+            value=value,
+            std=error * abs(parameter.slope(x)),
+            interval95=(low, high),
+            unit=PROPERTIES[knob.property].unit,
+        )
 
     def _differs(self, term: Term) -> float:
         """Probability that one of its figures lies on that side of the user's."""
         sides = (
-            float(norm.cdf(abs(self.values[knob] - baseline(self.user, knob)) / error))
+            float(norm.cdf(abs(parameter.x_of(self.values[knob]) - parameter.start) / error))
             for knob in term.knobs
             if knob in self.values and (error := self.error_of(knob)) > 0.0
+            for parameter in (self.parameters[knob],)
         )
         return max(sides, default=1.0)  # what rests on a bound has no error
 
@@ -384,10 +404,8 @@ def _judged(
         values=values,
         patch=values,
         alone=values,
-        std={
-            climb.parameters[i].knob: climb.std_of(climb.parameters[i].knob, x, float(std[i]))
-            for i in choice.places(chosen)
-        },
+        parameters={each.knob: each for each in climb.parameters},
+        std={climb.parameters[i].knob: float(std[i]) for i in choice.places(chosen)},
         rivals={term: choice.rivals(chosen, term) for term in chosen},
         gains=gains,
         share=share,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import t as student
 
-from ..findings import Equivalent, Estimate, Evidence, Finding, JointFit, Verdict
+from ..findings import Equivalent, Evidence, Finding, JointFit, Verdict
 from ..study.recording import FloatArray
 from ..thresholds.simulators import SimulatorThresholds
 from .candidates import Knob, Term, baseline, model_with
@@ -102,13 +102,7 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
     parameters = {}
     for knob in term.knobs:
         value = values.get(knob, baseline(user, knob))
-        std = explained.error_of(knob)
-        parameters[knob.property] = Estimate(
-            value=value,
-            std=std,
-            interval95=(value - width * std, value + width * std),
-            unit=PROPERTIES[knob.property].unit,
-        )
+        parameters[knob.property] = explained.estimate(knob, value, width)
     rivals = explained.rivals[term]
     linked = PROPERTIES[term.knobs[0].property].place == "link"
     places = tuple(dict.fromkeys(place_of(user, knob) for knob in term.knobs))
