@@ -9,7 +9,7 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr double kAnyDepth = -std::numeric_limits<double>::infinity();
+constexpr double kContactIgnored = -std::numeric_limits<double>::infinity();
 
 Shape in_body(const Robot& robot, const std::string& link, Shape shape) {
   check_shape(shape);
@@ -71,7 +71,7 @@ Attachments::Attachments(Solids solids, const Robot& robot, const HullModel& hul
                (ends_with(robot, robot.body_of_link(a), body) &&
                 ends_with(robot, robot.body_of_link(b), body));
       });
-      hulls_.push_back(is_own ? kAnyDepth : margins.between(own, {a, b}));
+      hulls_.push_back(is_own ? kContactIgnored : margins.between(own, {a, b}));
     }
     most_.push_back(0.0);
     for (int shape = 0; shape < shape_count_; ++shape) {
@@ -81,7 +81,7 @@ Attachments::Attachments(Solids solids, const Robot& robot, const HullModel& hul
     points_.push_back(margins.to_points(own));
     for (int other = 0; other < count(); ++other) {
       others_.push_back(each.is_attached_with((*this)[other])
-                            ? kAnyDepth
+                            ? kContactIgnored
                             : margins.between(own, margins.of_attached(other)));
     }
     const int at = static_cast<int>(balls_.points.size());

@@ -9,7 +9,7 @@ namespace pdoik::detail {
 namespace {
 
 /// What a tool may go and turn by before a motion that follows it has to be looked at [m], [rad].
-constexpr double kShift = 0.1, kTurn = 0.35;
+constexpr double kSwing = 0.1, kTurn = 0.35;
 
 Eigen::Isometry3d between(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
                           double share) {
@@ -61,7 +61,7 @@ double way_between(const std::vector<Goal>& one, const std::vector<Goal>& other)
     double turn = turns ? Eigen::AngleAxisd(T.linear()).angle() : 0.0;
     if (const auto axis = free_axis(one[i]))
       turn = std::acos(std::clamp(axis->dot(T.linear() * *axis), -1.0, 1.0));
-    longest = std::max(longest, T.translation().norm() / kShift + turn / kTurn);
+    longest = std::max(longest, T.translation().norm() / kSwing + turn / kTurn);
   }
   return longest;
 }

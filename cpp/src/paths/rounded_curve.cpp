@@ -7,7 +7,7 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr int kMostRounds = 60;  ///< of halving: any span is then below what numbers resolve
+constexpr int kMostHalvings = 60;  ///< of halving: any span is then below what numbers resolve
 constexpr double kProbes[] = {0.0, 0.25, 0.5, 0.75};  ///< in each cell that corners and joins leave
 constexpr double kKept = 0.98;  ///< of the deviation, for what lies between probes
 
@@ -37,7 +37,7 @@ RoundedCurve::RoundedCurve(const Rows& rows, const Eigen::VectorXd& s, double de
     : breaks_(2), start_(rows.row(0).transpose()) {
   breaks_ << s[0], s[s.size() - 1];
   Eigen::VectorXd is, ought;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostHalvings; ++round) {
     take_controls(rows, s);
     const std::vector<double> cells = sorted_union(s, breaks_);
     std::vector<char> too_wide(static_cast<std::size_t>(breaks_.size()) - 1, 0);

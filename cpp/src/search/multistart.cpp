@@ -11,6 +11,7 @@ constexpr unsigned kBetweenLooks = 4;
 
 }  // namespace
 
+// The method, on this page: searches for the goals alone, from one start after the other; ...
 void Multistart::run(Requests& requests) {
   Next next;
   next.exists = requests.next(next.request, next.result);
@@ -24,7 +25,7 @@ void Multistart::run(Requests& requests) {
       if (!next.exists && std::ranges::none_of(solves_, &SolveState::in_use)) return;
       continue;
     }
-    lanes_.step(solves_);  // towards the goals alone
+    lanes_.step(solves_);
     if (turn % kBetweenLooks == 0) now = std::chrono::steady_clock::now();
     for (SolveState& solve : solves_) {
       if (!solve.in_use()) continue;
@@ -36,14 +37,18 @@ void Multistart::run(Requests& requests) {
   }
 }
 
+// ... and what each comes to is an answer, is brought clear, or is one of those to return if there
+// is no answer.
 bool Multistart::conclude(SolveState& solve, Trial& trial) {
   acceptance_.work_for(solve, trial.alternative);
   if (!solve.count(trial)) return solve.has_given_up();
   if (solve.wanted().compromises && !trial.reached) acceptance_.keep_position(solve, trial);
   acceptance_.unwind(solve, trial);
   if (solve.collects() && trial.reached) solve.note_end(trial);
+
   if (trial.reached && acceptance_.is_clear(solve, trial) && acceptance_.holds(solve, trial))
     return acceptance_.accept(solve, trial.alternative);
+
   if (!solve.has_found()) acceptance_.keep_candidate(solve, trial);
   if (solve.collects()) return solve.has_collected();
   if (!trial.reached) return false;

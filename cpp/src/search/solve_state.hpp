@@ -192,7 +192,7 @@ class SolveState {
     int alternative = -1;
     double left = 0.0;
   };
-  /// From so many answers that were tried to bring clear one may conclude.
+  /// From so many answers that could not be brought clear one may conclude that others cannot.
   static constexpr int kRepairsThatTell = 4;
   /// What an end says of an alternative counts a fixed number of starts later, when it is known
   /// however many lanes there are, so that answers do not depend on them.

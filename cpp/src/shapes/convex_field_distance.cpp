@@ -2,16 +2,15 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "common/infinity.hpp"
 #include "shapes/field_distance.hpp"
 
 namespace pdoik::detail {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// What is less by no more than this is as good [m].
-constexpr double kPrecise = 1e-6;
+constexpr double kDescentPrecision = 1e-6;
 
 /// The solid in the field's frame, and the search for its point of the least value.
 class Search {
@@ -59,7 +58,7 @@ class Search {
   };
   static constexpr int kLargest = 1 << 28;
 
-  double bound() const { return std::min(best_ - kPrecise, than_); }
+  double bound() const { return std::min(best_ - kDescentPrecision, than_); }
   Vec4 support(const Vec4& direction) const {
     const Vec4 local{dot3(T_.x, direction), dot3(T_.y, direction), dot3(T_.z, direction), 0.0};
     return transform(T_, moving_.support(local));

@@ -2,14 +2,14 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
+
+#include "common/infinity.hpp"
 
 namespace pdoik::detail {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A segment's least distance is found to this [m].
-constexpr double kPrecise = 1e-6;
+constexpr double kCellPrecision = 1e-6;
 
 using Cell = std::array<int, 3>;
 using Corners = std::array<double, 8>;  ///< of a cell: x slowest, z fastest
@@ -264,7 +264,7 @@ class Walk {
       const int side = h > 0.0 ? std::min(first[a] + kBrick, field_.counts()[a] - 1) : first[a];
       end = std::min(end, (side - middle_[i]) / h);
     }
-    const double off = static_cast<double>(brick.off) + least() - kPrecise;
+    const double off = static_cast<double>(brick.off) + least() - kCellPrecision;
     if (static_cast<double>(brick.least) >= least() ||
         (FieldData::evenly(brick, first, at(t)) >= off &&
          FieldData::evenly(brick, first, at(end)) >= off))

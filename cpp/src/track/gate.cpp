@@ -9,8 +9,8 @@
 namespace pdoik::detail {
 namespace {
 
-constexpr double kLooks = 0.4;    ///< share of the time that a way may take
-constexpr double kBetter = 1e-6;  ///< relative decrease from which something is better
+constexpr double kLookShare = 0.4;  ///< share of the time that a way may take
+constexpr double kBetter = 1e-6;    ///< relative decrease from which something is better
 /// The same for going as far as a step may: a robot at full speed for a second, at 1 kHz, has to
 /// make good a hundredth of what it falls short of, or it rests.
 constexpr double kWorthMoving = 1e-5;
@@ -207,7 +207,7 @@ bool Gate::is_clear_to_rest(const Room& end, const Room& rest) {
 double Gate::share_in_time(const Eigen::VectorXd& q) {
   const double room =
       std::min(held_.obstacles / workspace_.scene().shapes().steepest(), 0.5 * held_.self);
-  const double looked_at = std::max(kLooks * workspace_.verdicts_left(), 1.0) * finest_;
+  const double looked_at = std::max(kLookShare * workspace_.verdicts_left(), 1.0) * finest_;
   const double may = std::max(room, looked_at);
   return way_to(q) <= may ? 1.0 : std::min(1.0, may / tight_way_to(q));
 }

@@ -192,7 +192,7 @@ TEST(Urdf, velocity_and_effort_limits_that_are_left_out_are_none_and_a_warning_s
   EXPECT_EQ(locked.lower()(0), 0.0);
   EXPECT_EQ(locked.upper()(0), 0.0);
   EXPECT_EQ(locked.warnings(),
-            Lines{"lower and upper limit are 0, as where URDF is told none: locked at j"});
+            Lines{"lower and upper limit are 0, as where URDF gives none: locked at j"});
 }
 
 TEST(Urdf, a_mimic_joint_whose_limits_are_filled_in_with_zeros_does_not_lock_the_one_it_follows) {
