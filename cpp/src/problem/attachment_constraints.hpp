@@ -7,6 +7,7 @@
 #include "obstacles/attachment_clearance.hpp"
 #include "obstacles/scene.hpp"
 #include "problem/constraint_family.hpp"
+#include "problem/model.hpp"
 
 namespace pdoik::detail {
 

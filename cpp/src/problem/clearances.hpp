@@ -5,6 +5,7 @@
 
 #include "obstacles/scene.hpp"
 #include "pdoik/result.hpp"
+#include "problem/model.hpp"
 
 namespace pdoik::detail {
 
