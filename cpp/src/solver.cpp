@@ -9,21 +9,23 @@
 #include <thread>
 #include <utility>
 
-#include "detail/all_solutions.hpp"
-#include "detail/check_input.hpp"
-#include "detail/check_path.hpp"
-#include "detail/clearances.hpp"
-#include "detail/derivatives.hpp"
-#include "detail/describe.hpp"
-#include "detail/explain.hpp"
-#include "detail/goal_of.hpp"
-#include "detail/motion_plan.hpp"
-#include "detail/paper.hpp"
-#include "detail/path_search.hpp"
-#include "detail/restarts.hpp"
-#include "detail/thread_pool.hpp"
+#include "common/check_input.hpp"
+#include "common/thread_pool.hpp"
+#include "kinematics/goal_of.hpp"
+#include "obstacles/check_obstacles.hpp"
+#include "obstacles/describe.hpp"
+#include "paths/check_path.hpp"
+#include "paths/motion_plan.hpp"
+#include "paths/path_search.hpp"
 #include "pdoik/cloud.hpp"
 #include "pdoik/point_cloud.hpp"
+#include "problem/check_request.hpp"
+#include "problem/clearances.hpp"
+#include "problem/explain.hpp"
+#include "search/all_solutions.hpp"
+#include "search/derivatives.hpp"
+#include "search/multistart.hpp"
+#include "search/paper.hpp"
 
 namespace pdoik {
 
@@ -53,7 +55,7 @@ namespace {
 constexpr std::size_t kFewestEach = 4;
 
 /// Whether a batch is to end early: asked of whoever wants to know by the thread that called, on
-/// which alone Ctrl-C is heard, and told to the others.
+/// which alone Ctrl-C is heard, and passed on to the others.
 class BatchInterrupt {
  public:
   explicit BatchInterrupt(const std::function<bool()>& wanted) : wanted_(wanted) {}
@@ -106,11 +108,11 @@ class Shared final : public detail::Requests {
 /// What a thread needs to solve.
 struct Worker {
   Worker(std::shared_ptr<const detail::Model> model, const detail::Scene& scene)
-      : workspace(std::move(model), scene), restarts(workspace) {}
+      : workspace(std::move(model), scene), multistart(workspace) {}
 
   void solve(detail::Requests& requests) {
     if (workspace.model().options.method == Method::Default) {
-      restarts.run(requests);
+      multistart.run(requests);
       return;
     }
     Request request;
@@ -120,7 +122,7 @@ struct Worker {
   }
 
   detail::Workspace workspace;
-  detail::Restarts restarts;
+  detail::Multistart multistart;
 };
 
 /// Workers of past batches, kept for the next.
@@ -154,12 +156,14 @@ class Workers {
 
 struct Solver::Implementation {
   Implementation(const Robot& robot, const Options& options)
-      : model(std::make_shared<detail::Model>(robot, options)), scene(*model), own(model, scene) {}
+      : model(std::make_shared<detail::Model>(robot, options)),
+        scene(model->robot, model->hulls, model->options),
+        own(model, scene) {}
   /// Shares robot, options and obstacles.
   Implementation(const Implementation& other)
-      : model(other.model), scene(*model, other.scene), own(model, scene) {}
+      : model(other.model), scene(other.scene), own(model, scene) {}
 
-  /// Held while the obstacles are read.
+  /// Kept while the obstacles are read.
   detail::CloudState::Reading read() {
     auto reading = scene.read();
     if (scene.has_changed()) own.workspace.use(scene);
@@ -233,14 +237,14 @@ Solutions Solver::solve_all(const Request& request, const AllOptions& wanted) {
   detail::check_all(request, wanted, options());
   const auto reading = impl_->read();
   Result best;
-  return detail::all_solutions(impl_->own.workspace, impl_->own.restarts, request, wanted, best);
+  return detail::all_solutions(impl_->own.workspace, impl_->own.multistart, request, wanted, best);
 }
 
 PathResult Solver::solve_path(const PathRequest& request, const PathOptions& wanted) {
   detail::check_path(request, wanted, robot(), options());
   const auto reading = impl_->read();
   const detail::Bounds bounds(robot(), request.locks);
-  return detail::PathSearch(impl_->own.workspace, impl_->own.restarts, request, wanted,
+  return detail::PathSearch(impl_->own.workspace, impl_->own.multistart, request, wanted,
                             bounds.lower, bounds.upper)
       .run();
 }
@@ -249,7 +253,7 @@ MotionResult Solver::plan_motion(const MotionRequest& request, const MotionOptio
   detail::check_motion(request, wanted, robot(), options());
   const auto reading = impl_->read();
   const detail::Bounds bounds(robot(), request.locks);
-  return detail::plan_motion(impl_->own.workspace, impl_->own.restarts, request, wanted, bounds);
+  return detail::plan_motion(impl_->own.workspace, impl_->own.multistart, request, wanted, bounds);
 }
 
 Derivatives Solver::derivatives(std::span<const Goal> goals, VectorIn q) {
@@ -317,7 +321,7 @@ std::vector<Result> Solver::solve_requests(std::span<const Request> asked, int t
   for (std::size_t i = 0; i < asked.size(); ++i)
     detail::check_request(asked[i], robot(), options(), static_cast<int>(i));
   // Batches of one solver may run at once, so each has a view of the obstacles of its own.
-  detail::Scene scene(*impl_->model, impl_->scene);
+  detail::Scene scene(impl_->scene);
   const auto reading = scene.read();
   Result not_begun;
   not_begun.q = robot().mid_configuration();
@@ -372,7 +376,7 @@ std::vector<ObstacleClearance> Solver::clearances(VectorIn q) {
 }
 
 std::string Solver::part_name(const ObstacleClearance& of) const {
-  if (of.held >= 0) return impl_->scene.held()[of.held].shape.name;
+  if (of.held >= 0) return impl_->scene.attachments()[of.held].shape.name;
   return of.hull < 0 ? "" : detail::hull_name(robot().occupancy(), of.hull);
 }
 

@@ -4,14 +4,14 @@
 #include <memory>
 #include <vector>
 
-#include "detail/clearance.hpp"
-#include "detail/lagrangian_problem.hpp"
-#include "detail/least_squares_problem.hpp"
-#include "detail/problem.hpp"
-#include "detail/spheroid_distance.hpp"
+#include "hulls/spheroid_distance.hpp"
+#include "obstacles/clearance.hpp"
 #include "pdoik/joint_limit_map.hpp"
 #include "pdoik/options.hpp"
 #include "pdoik/robot.hpp"
+#include "problem/lagrangian_problem.hpp"
+#include "problem/least_squares_problem.hpp"
+#include "problem/problem.hpp"
 #include "random_robots.hpp"
 
 /// The solver's parts put together as solvers do, each within a test's reach, and what they
@@ -27,7 +27,7 @@ class Workbench {
         robot(model.robot),
         options(model.options),
         hulls(model.hulls),
-        scene(model),
+        scene(robot, hulls, options),
         problem(model, scene),
         moving(problem.constraints.hulls),
         fixed(hulls, hulls.fixed),

@@ -11,7 +11,7 @@ namespace {
 /// Calls take(points) with what thinning leaves, or with the points themselves.
 template <class Take>
 auto thinned(const PointsView& points, const std::optional<Thinning>& thinning,
-             const SinkOptions& sink, Take&& take) {
+             const InteriorSphereOptions& sink, Take&& take) {
   if (!thinning && sink.viewpoints.rows() > 0) throw std::invalid_argument(kNotSolid);
   if (!thinning) return points.is_single() ? take(points.in_single()) : take(points.in_double());
   const RowMatrix cast =
@@ -34,8 +34,8 @@ std::optional<Thinning> to_thinning(const std::optional<double>& leaf, bool radi
   return std::nullopt;
 }
 
-/// Centres of sunk balls lie elsewhere than their points, so that a region's balls are not those of
-/// a region's points.
+/// Centres of interior spheres lie elsewhere than their points, so that a region's balls are not
+/// those of a region's points.
 void check_part(const ThinnedCloud& cloud, const Eigen::AlignedBox3d& region) {
   if (!cloud.thinning || !cloud.thinning->solid) return;
   const auto points = cloud.cloud.points();

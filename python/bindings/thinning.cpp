@@ -12,11 +12,11 @@ Points to_viewpoints(const std::optional<ArrayLike>& viewpoint) {
   return Eigen::Map<const Points>(array.data(), array.size() / 3, 3);
 }
 
-RowMatrix thin(const Obstacles& rows, const Thinning& thinning, const SinkOptions& sink) {
+RowMatrix thin(const Obstacles& rows, const Thinning& thinning, const InteriorSphereOptions& sink) {
   const RowMatrix points = rows;  // which are read several times, and another thread's as well
   if (sink.viewpoints.rows() > 0 && !thinning.solid) throw std::invalid_argument(kNotSolid);
   const Points kept = voxel_downsample(points, thinning.leaf);
-  if (thinning.solid) return sunk_balls(points, kept, thinning.leaf, sink);
+  if (thinning.solid) return interior_spheres(points, kept, thinning.leaf, sink);
   if (!thinning.radii) return kept;
   RowMatrix balls(kept.rows(), 4);
   balls << kept, covering_radii(points, kept, thinning.leaf);

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "arrays.hpp"
-#include "pdoik/sunk_balls.hpp"
+#include "pdoik/interior_spheres.hpp"
 
 namespace pdoik::python {
 
@@ -20,6 +20,7 @@ inline constexpr const char* kNotSolid = "viewpoint is for solid clouds, and sol
 Points to_viewpoints(const std::optional<ArrayLike>& viewpoint);
 
 /// What thinning leaves, (K, 3), or (K, 4) with radii.
-RowMatrix thin(const Obstacles& points, const Thinning& thinning, const SinkOptions& sink);
+RowMatrix thin(const Obstacles& points, const Thinning& thinning,
+               const InteriorSphereOptions& sink);
 
 }  // namespace pdoik::python

@@ -93,7 +93,7 @@ struct PathResult {
   std::vector<int> unsolved;  ///< stations for which no solution was found
   bool complete = false;  ///< whether all solutions of all stations that were looked at are known
   double length = 0.0;    ///< of all pieces: the sum of |dq| from row to row [rad] or [m]
-  /// Least of all rows; beyond 0.6 m it is told as that much [m].
+  /// Least of all rows; beyond 0.6 m it is reported as that much [m].
   double clearance = std::numeric_limits<double>::infinity();
   double self_distance = std::numeric_limits<double>::infinity();  ///< the same [m]
   double largest_step = 0.0;    ///< of a joint from one station to the next, in pieces

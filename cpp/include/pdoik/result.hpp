@@ -33,38 +33,43 @@ const char* to_string(Status status);
 struct WorstConstraint {
   /// Which kind of constraint.
   enum class Kind {
-    None,           ///< nothing was asked
-    Position,       ///< of a tip
-    Rotation,       ///< of a tip
-    Limit,          ///< of a joint
-    Clearance,      ///< of a hull to a point
-    Balance,        ///< of the centre of mass
-    SelfCollision,  ///< of two hulls
-    Shape,          ///< of a hull to a shape
-    HeldPoint,      ///< of what is carried to a point
-    HeldShape,      ///< of what is carried to a shape
-    HeldHull,       ///< of what is carried to a hull
-    HeldHeld,       ///< of what is carried to what another link carries
+    None,                  ///< nothing was asked
+    Position,              ///< of a tip
+    Rotation,              ///< of a tip
+    Limit,                 ///< of a joint
+    Clearance,             ///< of a hull to a point
+    Balance,               ///< of the centre of mass
+    SelfCollision,         ///< of two hulls
+    Shape,                 ///< of a hull to a shape
+    AttachmentPoint,       ///< of what is attached to a point
+    AttachmentShape,       ///< of what is attached to a shape
+    AttachmentHull,        ///< of what is attached to a hull
+    AttachmentAttachment,  ///< of what is attached to what is attached to another link
+    HeldPoint [[deprecated("AttachmentPoint")]] = AttachmentPoint,           ///< old name
+    HeldShape [[deprecated("AttachmentShape")]] = AttachmentShape,           ///< old name
+    HeldHull [[deprecated("AttachmentHull")]] = AttachmentHull,              ///< old name
+    HeldHeld [[deprecated("AttachmentAttachment")]] = AttachmentAttachment,  ///< old name
   };
   Kind kind = Kind::None;  ///< which kind of constraint
   /// The tip for Position and Rotation, the joint for Limit, the hull (spheres first, then
   /// spheroids, then capsules) for Clearance, Shape and SelfCollision; for Balance 0 to 5 the box's
-  /// lower and upper x, y, z, then 6 the support polygon. For those of what is held its place, in
-  /// the order that it was attached.
+  /// lower and upper x, y, z, then 6 the support polygon. For those of what is attached its place,
+  /// in the order that it was attached.
   int index = -1;
-  /// The point's row for Clearance and HeldPoint, the shape's place for Shape and HeldShape, the
-  /// other hull for SelfCollision and HeldHull, the place of the other that is held for HeldHeld.
+  /// The point's row for Clearance and AttachmentPoint, the shape's place for Shape and
+  /// AttachmentShape, the other hull for SelfCollision and AttachmentHull, the place of the other
+  /// that is attached for AttachmentAttachment.
   int obstacle = -1;
   double violation =
       0.0;  ///< by how much it is missed beyond its tolerance [m] or [rad]; at most 0 if it holds
 };
 
-/// How near the robot, and what it carries, is to one obstacle.
+/// How near the robot, and what is attached to it, is to one obstacle.
 struct ObstacleClearance {
   int shape = -1;         ///< its place among the shapes; -1 for the points
   double distance = 0.0;  ///< negative by how deep it is [m]; infinite if nothing is to keep off it
   int hull = -1;          ///< the nearest hull's place in the occupancy, or
-  int held = -1;          ///< that of the nearest of what is carried
+  int held = -1;          ///< that of the nearest of what is attached
   int point = -1;         ///< the nearest point's row
 };
 

@@ -86,7 +86,7 @@ class Solver {
   explicit Solver(const Robot& robot, const Options& options = {});
   Solver(Solver&&) noexcept;             ///< moved
   Solver& operator=(Solver&&) noexcept;  ///< moved
-  /// With the other's obstacles, which they share, and what it carries. Allocates.
+  /// With the other's obstacles, which they share, and what is attached to it. Allocates.
   Solver(const Solver& other);
   ~Solver();  ///< frees what it holds
 
@@ -96,7 +96,7 @@ class Solver {
   const Options& options() const;
   /// @}
 
-  /// @name Obstacles and what the robot carries
+  /// @name Obstacles and what is attached to it
   /// @{
 
   /// The obstacles of the solves that follow; empty for none. Allocates only when there are more
@@ -110,29 +110,29 @@ class Solver {
   void set_obstacles(const Cloud& cloud);
   /// The solids of the solves that follow, beside the points; Shapes() for none. Allocates.
   /// @throws std::invalid_argument  A rule of contact speaks of what is neither a link, nor a
-  /// shape, nor carried now, and is not optional; or it gives points a negative clearance, and the
+  /// shape, nor attached now, and is not optional; or it gives points a negative clearance, and the
   /// method or the inner one is not the default.
   void set_shapes(const Shapes& shapes);
-  /// Let links carry solids from now on, beside what they carry already: they keep off points,
-  /// shapes, the robot's other links and what these carry as its own hulls do. All of them, or none
-  /// if any cannot be carried. Allocates.
+  /// Attach solids to links from now on, with what is attached already: they keep off points,
+  /// shapes, the robot's other links and what is attached to these as its own hulls do. All, or
+  /// none if any cannot be attached. Allocates.
   /// @throws std::invalid_argument  There is no such link, or no joint moves it; as check_shape and
-  /// check_contact_rule; a half-space, a mesh, several boxes; a name that something carried has
+  /// check_contact_rule; a half-space, a mesh, several boxes; a name that something attached has
   /// already.
   void attach(std::span<const Attachment> things);
   /// The same of one link.
   /// @param shapes  Their poses are in the link's frame.
-  /// @param may_touch  Links of the robot, shapes of scenes, other things that links carry and the
+  /// @param may_touch  Links of the robot, shapes of scenes, other things that are attached and the
   /// points, by name or pattern as in a ContactRule, that they may touch.
   void attach(const std::string& link, std::span<const Shape> shapes,
               std::span<const std::string> may_touch = {});
-  /// What links carry, as it was attached.
+  /// What is attached to links, as it was given.
   std::vector<Attachment> attached() const;
-  /// Let a link carry nothing any more: what moves with another one that holds it too stays with
-  /// that. Or, by its name, let nobody carry an object any more.
-  /// @throws std::invalid_argument  There is neither a link nor anything carried of this name.
+  /// Detach all from a link: what is attached to another one too stays with that. Or detach an
+  /// object, by its name.
+  /// @throws std::invalid_argument  There is neither a link nor anything attached of this name.
   void detach(const std::string& name);
-  /// Let no link carry anything any more.
+  /// Detach all from all links.
   void detach();
 
   /// Neither points nor solids.
@@ -154,7 +154,7 @@ class Solver {
   /// @throws std::invalid_argument on NaN, infinity, a target that is not rigid to 1e-6, a wrong
   /// length, a tip that there is not, goals that contradict one another, a negative slack or
   /// weight, no goal, a lock outside limits; and, as everything here that looks at obstacles, where
-  /// there are any, or the robot carries something, and it has no hulls: see
+  /// there are any, or something is attached to the robot, and it has no hulls: see
   /// Options::ignore_obstacles_without_hulls.
   void solve(const Request& request, Result& result);
 
@@ -177,7 +177,7 @@ class Solver {
   PathResult solve_path(const PathRequest& request, const PathOptions& options = {});
 
   /// A move from a configuration to another, or to any of some goals, that is clear of everything
-  /// all along: points, shapes, the robot itself, with what it carries. Allocates.
+  /// all along: points, shapes, the robot itself, with what is attached to it. Allocates.
   /// @throws std::invalid_argument  As `solve`; no start; neither a configuration to end at nor
   /// goals, or both; an option out of range; other methods than the default one.
   MotionResult plan_motion(const MotionRequest& request, const MotionOptions& options = {});
@@ -238,7 +238,7 @@ class Solver {
   std::string explain(const PathEnd& end) const;
   /// "clearance of panda_link5, spheroid 12, to obstacle 17", for people.
   std::string describe(const WorstConstraint& worst) const;
-  /// "panda_link5 (capsule 12)" or what is carried, of the nearest part; empty for none.
+  /// "panda_link5 (capsule 12)" or what is attached, of the nearest part; empty for none.
   std::string part_name(const ObstacleClearance& of) const;
   /// A shape's name by its place.
   std::string shape_name(int shape) const;

@@ -42,11 +42,11 @@ enum class TrackerStatus {
 /// A status in lower case with underscores, as the Python module gives it.
 const char* to_string(TrackerStatus status);
 
-/// The outcome of a step. Clearance beyond 0.5 m is told as that much: a step has no time to find
-/// out how far the far is. Whatever the status, q is never farther from the last answer than the
-/// step limits, and by the scene as it is no deeper in anything than standing still would be, nor
-/// than contact: points, shapes, the robot itself, what it carries, the balance it is asked to
-/// keep.
+/// The outcome of a step. Clearance beyond 0.5 m is reported as that much: a step has no time to
+/// find out how far the far is. Whatever the status, q is never farther from the last answer than
+/// the step limits, and by the scene as it is no deeper in anything than standing still would be,
+/// nor than contact: points, shapes, the robot itself, what is attached to it, the balance it is
+/// asked to keep.
 struct TrackerResult : Result {
   TrackerStatus tracking = TrackerStatus::InvalidInput;  ///< what became of the step
   int step_limited = -1;  ///< the first joint that its step limit holds back, -1 for none
@@ -124,7 +124,7 @@ class Tracker {
   void set_posture(VectorIn posture);
   /// @}
 
-  /// @name Obstacles and what the robot carries
+  /// @name Obstacles and what is attached to it
   /// @{
 
   /// The obstacles from now on, as Solver::set_obstacles takes them. NaN, infinity, a wrong shape
@@ -141,7 +141,7 @@ class Tracker {
   void set_obstacles(const Cloud& cloud);
   /// The solids from now on, beside the points; Shapes() for none. Allocates.
   /// @throws std::invalid_argument  A rule of contact speaks of what is neither a link, nor a
-  /// shape, nor carried now, and is not optional; or it gives points a negative clearance, and the
+  /// shape, nor attached now, and is not optional; or it gives points a negative clearance, and the
   /// method or the inner one is not the default.
   void set_shapes(const Shapes& shapes);
   /// The same of solids that move, as of points; a result calls them `name (ahead)` where they will
@@ -149,30 +149,30 @@ class Tracker {
   /// @throws std::invalid_argument  As above; a velocity that is not finite, or of neither one row
   /// nor one for each.
   void set_shapes(const Shapes& shapes, const ObstacleVelocity& velocity);
-  /// Let links carry solids from now on, beside what they carry already: they keep off points,
-  /// shapes, the robot's other links and what these carry as its own hulls do. All of them, or none
-  /// if any cannot be carried. Allocates.
+  /// Attach solids to links from now on, with what is attached already: they keep off points,
+  /// shapes, the robot's other links and what is attached to these as its own hulls do. All, or
+  /// none if any cannot be attached. Allocates.
   /// @throws std::invalid_argument  There is no such link, or no joint moves it; as check_shape and
-  /// check_contact_rule; a half-space, a mesh, several boxes; a name that something carried has
+  /// check_contact_rule; a half-space, a mesh, several boxes; a name that something attached has
   /// already.
   void attach(std::span<const Attachment> things);
   /// The same of one link.
   /// @param shapes  Their poses are in the link's frame.
-  /// @param may_touch  Links of the robot, shapes of scenes, other things that links carry and the
+  /// @param may_touch  Links of the robot, shapes of scenes, other things that are attached and the
   /// points, by name or pattern as in a ContactRule, that they may touch.
   void attach(const std::string& link, std::span<const Shape> shapes,
               std::span<const std::string> may_touch = {});
-  /// What links carry, as it was attached.
+  /// What is attached to links, as it was given.
   std::vector<Attachment> attached() const;
-  /// Let a link carry nothing any more: what moves with another one that holds it too stays with
-  /// that. Or, by its name, let nobody carry an object any more.
-  /// @throws std::invalid_argument  There is neither a link nor anything carried of this name.
+  /// Detach all from a link: what is attached to another one too stays with that. Or detach an
+  /// object, by its name.
+  /// @throws std::invalid_argument  There is neither a link nor anything attached of this name.
   void detach(const std::string& name);
-  /// Let no link carry anything any more.
+  /// Detach all from all links.
   void detach();
 
   /// What set_obstacles does with a cloud that makes no sense, for one that is refused outside.
-  void refuse_obstacles(const std::string& complaint);
+  void refuse_obstacles(const std::string& error);
   /// @}
 
   /// @name Stepping
@@ -185,7 +185,7 @@ class Tracker {
   const TrackerResult& step(const Eigen::Isometry3d& T_base_tip);
 
   /// What a step does with input that makes no sense: the last answer once more, and why.
-  const TrackerResult& hold(const std::string& complaint);
+  const TrackerResult& hold(const std::string& error);
 
   /// How long steps took, all so far.
   const LatencyHistogram& latency() const;

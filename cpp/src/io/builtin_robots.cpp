@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "detail/text.hpp"
+#include "common/text.hpp"
 #include "io/embedded_robots.hpp"
 #include "pdoik/collision_pairs.hpp"
 #include "pdoik/robot.hpp"

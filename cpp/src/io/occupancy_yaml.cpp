@@ -34,7 +34,7 @@ bool holds_noncharacter(const std::string& text) {
   return false;
 }
 
-/// Reads one entry of the file, naming it in every complaint.
+/// Reads one entry of the file, naming it in every error message.
 class Entry {
  public:
   Entry(const YAML::Node& node, std::string where) : node_(node), where_(std::move(where)) {

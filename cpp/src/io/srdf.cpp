@@ -20,13 +20,13 @@ namespace {
 using Element = tinyxml2::XMLElement;
 using Document = tinyxml2::XMLDocument;
 void parse(Document& document, const std::string& xml) { document.Parse(xml.c_str(), xml.size()); }
-std::string complaint(const Document& document) { return document.ErrorStr(); }
+std::string error_of(const Document& document) { return document.ErrorStr(); }
 int line_of(const Element& element) { return element.GetLineNum(); }
 #else
 using Element = TiXmlElement;
 using Document = TiXmlDocument;
 void parse(Document& document, const std::string& xml) { document.Parse(xml.c_str()); }
-std::string complaint(const Document& document) {
+std::string error_of(const Document& document) {
   return std::string(document.ErrorDesc()) + " (line " + std::to_string(document.ErrorRow()) + ")";
 }
 int line_of(const Element& element) { return element.Row(); }
@@ -50,7 +50,7 @@ Said read(const std::string& path_or_xml) {
   const auto [xml, source] = detail::read_xml(path_or_xml, "SRDF");
   Document document;
   parse(document, xml);
-  if (document.Error()) throw LoadError(source + " is not valid XML: " + complaint(document));
+  if (document.Error()) throw LoadError(source + " is not valid XML: " + error_of(document));
   const Element* root = document.RootElement();
   if (root == nullptr || std::string(root->Value()) != "robot") {
     throw LoadError(source + " is not an SRDF: expected the element <robot>, found " +
@@ -103,7 +103,7 @@ std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml) {
   const Said said = read(path_or_xml);
   if (said.off_by_default.empty()) return said.off;
   throw LoadError(said.first_default +
-                  " means pairs with all links: expected to be told the robot");
+                  " means pairs with all links: expected to be given the robot");
 }
 
 std::vector<LinkPair> load_srdf_pairs(const std::string& path_or_xml, const Robot& robot) {

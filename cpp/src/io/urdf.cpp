@@ -179,7 +179,7 @@ RobotDescription load_urdf(const std::string& path_or_xml) {
   warn_of_limits(description, "no effort limit: taken as unlimited",
                  [](const auto& joint) { return std::isinf(joint.effort); });
   warn_of_limits(
-      description, "lower and upper limit are 0, as where URDF is told none: locked",
+      description, "lower and upper limit are 0, as where URDF gives none: locked",
       [](const auto& joint) { return joint.lower == 0.0 && joint.upper == 0.0 && !joint.mimic; });
   return description;
 }
