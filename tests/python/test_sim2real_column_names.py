@@ -10,10 +10,9 @@ import pandas as pd
 import pytest
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.logs import Column
-from pdoik.sim2real.study.names.columns_key import columns_key
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.names.settle import naming_notes, settle
+from pdoik.recordings import Column, Known
+from pdoik.recordings.names.columns_key import columns_key
+from pdoik.recordings.names.settle import naming_notes, settle
 from pdoik.sim2real.study.read_study import load_study
 from studies import JOINTS, log, motion, speed, write_study
 

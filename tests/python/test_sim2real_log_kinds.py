@@ -12,12 +12,8 @@ import numpy as np
 import pytest
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.key import Key, Keys
-from pdoik.sim2real.study.logs import KINDS, Column, Log, Part, register
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.read_log import read_log
+from pdoik.recordings import KINDS, Column, Key, Keys, Known, Log, Part, Units, read_log, register
 from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.units import Units
 from studies import JOINTS, log, motion, write_study
 
 ROW = struct.Struct("<3d")

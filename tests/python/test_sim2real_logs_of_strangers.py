@@ -18,12 +18,10 @@ from scipy.io import savemat
 
 from command_line import misuse, run
 from pdoik.errors import LoadError
+from pdoik.recordings import Column, FloatArray, Known
+from pdoik.recordings.logs.csv_form import CsvForm
+from pdoik.recordings.names.settle import settle
 from pdoik.sim2real import Study, draft_study, load_study
-from pdoik.sim2real.study.logs import Column
-from pdoik.sim2real.study.logs.csv_form import CsvForm
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.names.settle import settle
-from pdoik.sim2real.study.recording import FloatArray
 from pdoik.sim2real.study.robot_facts import robot_facts
 from sim2real_motions import wave, write_arm
 

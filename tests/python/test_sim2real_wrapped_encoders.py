@@ -11,13 +11,10 @@ import pytest
 
 from command_line import run
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.columns import Table, joints_of
-from pdoik.sim2real.study.logs import Part
-from pdoik.sim2real.study.mend_jumps import with_jumps_mended
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.read_log import read_log
+from pdoik.recordings import Known, Part, Table, Units, read_log, units_from
+from pdoik.recordings.columns import joints_of
+from pdoik.recordings.mend_jumps import with_jumps_mended
 from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.units import Units, units_from
 from studies import log, write_study
 
 BESIDE = Path(__file__).resolve().parents[3] / "shared"

@@ -15,9 +15,7 @@ from pdoik._files import write_whole
 from .messages import fail, tell
 
 if TYPE_CHECKING:
-    from pdoik.sim2real.study.columns import Table
-    from pdoik.sim2real.study.reading import Reading
-    from pdoik.sim2real.study.recording import Recording
+    from pdoik.recordings import Reading, Recording, Table
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -53,7 +51,7 @@ def reading_of(columns: Path | None) -> Reading:
     Raises:
         LoadError: The study is none.
     """
-    from pdoik.sim2real.study.reading import Reading
+    from pdoik.recordings import Reading
     from pdoik.sim2real.study.reading_key import reading_of_study
 
     return Reading() if columns is None else reading_of_study(columns)
@@ -77,12 +75,8 @@ def read_motion(
     Raises:
         LoadError: Something in the file is not as expected.
     """
-    from pdoik.sim2real.study.check_recording import to_recording
-    from pdoik.sim2real.study.logs import Part
-    from pdoik.sim2real.study.names.check_names import check_names
-    from pdoik.sim2real.study.names.known import Known
-    from pdoik.sim2real.study.read_log import read_log
-    from pdoik.sim2real.study.reading import Reading
+    from pdoik.recordings import Known, Part, Reading, read_log, to_recording
+    from pdoik.recordings.names.check_names import check_names
 
     reading = reading or Reading()
     known = Known(joints=joints, key=reading.key, ignore=reading.ignore)

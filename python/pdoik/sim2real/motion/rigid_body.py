@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from pdoik.recordings import FloatArray
+
 from ..study.payload import Payload
-from ..study.recording import FloatArray
 
 STANDARD_GRAVITY = 9.81
 _SPEED_OF_REST = 2e-3  # within which the description's dry friction turns [rad/s]

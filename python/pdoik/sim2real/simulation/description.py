@@ -13,8 +13,8 @@ import mujoco
 import numpy as np
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray
 
-from ..study.recording import FloatArray
 from .inertial import Inertial
 
 DROPPED_LINK_PARTS = ("visual", "collision", "inertial")

@@ -7,14 +7,14 @@ from typing import Any
 
 from scipy.spatial.transform import Rotation
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
+from pdoik.recordings import Recording
+from pdoik.recordings.values import checked, number, shown, text, vector
 
-from .columns import nearest
 from .floating_base import FloatingBase, Foot, Ground
 from .key_tables import BASE, FOOT, GROUND, IMU
-from .recording import Recording
 from .robot_facts import RobotFacts
-from .values import checked, number, shown, text, vector
 
 _FLAT_FROM = 4  # joints of a leg that can turn a sole as well as place it
 

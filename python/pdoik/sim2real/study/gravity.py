@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray
 
 from .quiet_mujoco import quiet_mujoco
-from .recording import FloatArray
 
 
 def gravity_torque(path: Path, joints: tuple[str, ...], q: FloatArray) -> FloatArray:

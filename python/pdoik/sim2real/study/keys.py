@@ -11,18 +11,18 @@ import numpy as np
 import yaml
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray, Part, Role
+from pdoik.recordings.logs import MAX_ROWS, entry_keys
+from pdoik.recordings.names.columns_key import ColumnsKey, columns_key
+from pdoik.recordings.values import checked as checked
+from pdoik.recordings.values import names as names
+from pdoik.recordings.values import number as number
+from pdoik.recordings.values import shown
+from pdoik.recordings.values import text as text
+from pdoik.recordings.values import vector as vector
 
 from .key_tables import ENTRY, SETUP, STUDY, TRUST
-from .logs import MAX_ROWS, Part, entry_keys
-from .names.columns_key import ColumnsKey, columns_key
-from .recording import FloatArray, Role
 from .study import Trust
-from .values import checked as checked
-from .values import names as names
-from .values import number as number
-from .values import shown
-from .values import text as text
-from .values import vector as vector
 
 _MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
 

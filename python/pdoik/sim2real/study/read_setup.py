@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray
 
 from . import keys
-from .columns import nearest
 from .controller import Controller
 from .controller_key import known_controller, told_controller
 from .key_tables import PAYLOAD
 from .keys import Entry
 from .payload import Payload
-from .recording import FloatArray
 from .robot_facts import RobotFacts, check_robot, robot_facts
 from .study import Setup
 

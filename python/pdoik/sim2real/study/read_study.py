@@ -7,28 +7,35 @@ from dataclasses import replace
 from pathlib import Path
 
 from pdoik.errors import LoadError
+from pdoik.recordings import (
+    STILL,
+    FloatArray,
+    Known,
+    Recording,
+    Table,
+    Units,
+    read_log,
+    to_recording,
+    units_from,
+)
+from pdoik.recordings.check_recording import moves
+from pdoik.recordings.columns import joints_of
+from pdoik.recordings.duty import check_duty
+from pdoik.recordings.names.check_names import check_names
+from pdoik.recordings.names.columns_key import columns_key
+from pdoik.recordings.names.mujoco_order import mujoco_order
 
 from . import keys as study_keys
 from .base_key import base_from, check_base
-from .check_recording import moves, to_recording
-from .columns import Table, joints_of
 from .controller_key import known_controller, told_controller
-from .duty import check_duty
 from .floating_base import FloatingBase
 from .keys import Entry
-from .names.check_names import check_names
-from .names.columns_key import columns_key
-from .names.known import Known
-from .names.mujoco_order import mujoco_order
-from .read_log import read_log
 from .read_setup import Told, facts_of, setups_of
-from .recording import STILL, FloatArray, Recording
 from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
 from .simulator_key import simulator_from
 from .split import split
 from .study import Setup, Study
 from .suspect_units import check_units
-from .units import Units, units_from
 
 
 def load_study(source: str | os.PathLike[str] | Study) -> Study:

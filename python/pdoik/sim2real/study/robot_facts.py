@@ -9,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
-
-from .columns import nearest
-from .recording import FloatArray
+from pdoik.recordings import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

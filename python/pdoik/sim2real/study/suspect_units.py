@@ -7,12 +7,11 @@ from math import pi
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from .check_recording import moves
+from pdoik.recordings import FloatArray, Recording, SuspectedUnitError, Units
+from pdoik.recordings.check_recording import moves
+
 from .gravity import gravity_torque
-from .recording import FloatArray, Recording
 from .robot_facts import RobotFacts
-from .suspected_unit import SuspectedUnitError
-from .units import Units
 
 _TURNS = 4 * pi  # a joint of an arm hardly turns farther [rad]
 _BEYOND = 0.35  # past a limit, more than an encoder's zero explains [rad]

@@ -8,9 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.prepare import Prepared
-from ..study.recording import FloatArray
 from ..study.robot_facts import robot_facts
 
 _PEAK = 0.999  # quantile that stands for the greatest, so that one row does not

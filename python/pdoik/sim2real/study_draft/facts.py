@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from ..study.names.known import ALONG_THE_ARM
-from ..study.recording import Recording
+from pdoik.recordings import Recording
+from pdoik.recordings.names.known import ALONG_THE_ARM
+
 from ..study.robot_facts import RobotFacts
 from .actuators import ActuatorGains
 from .hold_out import HoldOut, hold_out

@@ -9,16 +9,13 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
-
-from ..study.columns import nearest
-from ..study.logs import Column
-from ..study.logs.arrow_numbers import numbers
-from ..study.logs.csv_form import CsvForm, is_number
-from ..study.names.known import Known, listed
-from ..study.names.settle import settle
-from ..study.reading import Reading
-from ..study.recording import FloatArray
+from pdoik.recordings import Column, FloatArray, Known, Reading
+from pdoik.recordings.logs.arrow_numbers import numbers
+from pdoik.recordings.logs.csv_form import CsvForm, is_number
+from pdoik.recordings.names.known import listed
+from pdoik.recordings.names.settle import settle
 
 _TORN = 0.1  # share of a piece's lines that may hold no numbers, as where a file was cut off
 _LONGEST = 1 << 20  # bytes of a line

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from .columns import SUPPLY, Table, nearest
+from .columns import SUPPLY, Table
 from .logs import Log, Part, check_size, open_log
 from .names.known import Known, Settled, listed
 from .names.settle import BEYOND_SECONDS, naming_notes, settle

@@ -7,9 +7,10 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from ..columns import CONTACT, SUPPLY, VECTORS, channel_of, nearest, pose_columns
+from ..columns import CONTACT, SUPPLY, VECTORS, channel_of, pose_columns
 from ..logs import Column
 from ..recording import CHANNELS
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from ..columns import nearest
 from ..recording import FloatArray
 
 STATE = "sensor_msgs/msg/JointState"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from .recording import CHANNELS, FloatArray
@@ -59,10 +58,3 @@ def joints_of(columns: Iterable[str]) -> tuple[str, ...]:
     """Joints that have a position column, in the file's order."""
     found = (channel_of(column) for column in columns)
     return tuple(pair[1] for pair in found if pair is not None and pair[0] == "q")
-
-
-def nearest(name: str, known: Collection[str], count: int = 3) -> str:
-    """The names most like `name`, as the end of a message: "; nearest: 'a', 'b'" or ""."""
-    low = {each.lower(): each for each in known}
-    found = difflib.get_close_matches(name.lower(), low, n=count, cutoff=0.5)
-    return f"; nearest: {', '.join(repr(low[each]) for each in found)}" if found else ""

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Any
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from .columns import SUPPLY, nearest
+from .columns import SUPPLY
 
 _ANGLE = {"rad": 1.0, "deg": pi / 180, "turn": 2 * pi}
 _SPEED = {"rad/s": 1.0, "deg/s": pi / 180, "turn/s": 2 * pi, "rpm": pi / 30}

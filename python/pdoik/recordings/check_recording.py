@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from .columns import CONTACT, VECTORS, Table, channel_of, joints_of, nearest, pose_columns
+from .columns import CONTACT, VECTORS, Table, channel_of, joints_of, pose_columns
 from .duty import with_supply
 from .encoder_steps import encoder_steps
 from .glitches import glitches

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from ..columns import nearest
 from ..key import Key, Keys
 from ..recording import FloatArray
 from .arrays import (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from ..columns import nearest
 from ..logs import Column
 from ..recording import CHANNELS
 from ..units import KNOWN, parent

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from ..columns import nearest
 from ..key import Keys
 from .log import Log
 
