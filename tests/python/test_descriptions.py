@@ -102,7 +102,7 @@ def test_what_a_urdf_cannot_say_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LoadError, match="joint 'hip' is a ball"):
         pdoik.load_robot(path)
     path.write_text("<mujoco><worldbody><body></worldbody></mujoco>")
-    with pytest.raises(LoadError, match="MuJoCo: "):
+    with pytest.raises(LoadError, match="MuJoCo cannot read it: "):
         pdoik.load_robot(path)
 
 

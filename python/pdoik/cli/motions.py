@@ -15,7 +15,7 @@ from pdoik._files import write_whole
 from .messages import fail, tell
 
 if TYPE_CHECKING:
-    from pdoik.recordings import Reading, Recording, Table
+    from pdoik.recordings import Reading, Recording
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -75,27 +75,30 @@ def read_motion(
     Raises:
         LoadError: Something in the file is not as expected.
     """
-    from pdoik.recordings import Known, Part, Reading, read_log, to_recording
-    from pdoik.recordings.names.check_names import check_names
+    from pdoik.recordings import Reading, check_names, read_log
 
     reading = reading or Reading()
-    known = Known(joints=joints, key=reading.key, ignore=reading.ignore)
-    units = reading.said_units
-    table = read_log(path, path.name, known, Part(), units, {})
-    check_names(table, joints, reading.ignore)
-    for said in (reading.note, *table.readings):
+    log = read_log(
+        path,
+        joints=joints,
+        columns=reading.key,
+        units=reading.said_units,
+        ignore=reading.ignore,
+    )
+    check_names(log.table, joints, reading.ignore)
+    for said in (reading.note, *log.table.readings):
         if said:
             tell(f"{path.name}: {said}")
     if commands:
-        _with_positions(table, joints)
-    return to_recording(table, joints, "validate", units.with_written(table.units))
+        _with_positions(log.table.columns, joints)
+    return log.recording("validate")
 
 
-def _with_positions(table: Table, joints: tuple[str, ...]) -> None:
+def _with_positions(columns: dict[str, FloatArray], joints: tuple[str, ...]) -> None:
     for joint in joints:
-        desired = table.columns.get(f"q_des.{joint}")
+        desired = columns.get(f"q_des.{joint}")
         if desired is not None:
-            table.columns.setdefault(f"q.{joint}", desired)
+            columns.setdefault(f"q.{joint}", desired)
 
 
 def write_motion(

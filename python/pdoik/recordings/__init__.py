@@ -1,13 +1,19 @@
 """Logs of robots, of whatever kind, as arrays with names, units and a clock.
 
+    from pdoik import recordings
+
+    log = recordings.read_log("run.mcap")
+    log.names, log.time, log.q  # (n) joints, (T,) [s], (T, n) [rad]
+    print(log)  # what was read, in which units, by which clock, and what is doubtful
+    recording = log.recording()  # on even times, glitches left out, encoders unwrapped
+
 Comes in: a CSV, a ROS bag, MCAP, Parquet, NPZ, HDF5, a LeRobot folder, MATLAB's or JSON lines. Goes
-out: its columns as channels of joints (a `Table`), and on even times, in SI units, what was faulty
-repaired and said (a `Recording`).
+out: a `RobotLog` of its own rows, and of that a `Recording`. Needs pip install 'pdoik[sim2real]'.
 """
 
 from typing import TYPE_CHECKING, Any
 
-from .columns import Table
+from .columns import Table, joints_of
 from .glitches import glitches
 from .key import Key, Keys
 from .recording import CHANNELS, OF_BASE, STILL, FloatArray, Recording, Role
@@ -18,51 +24,71 @@ __all__ = [
     "CHANNELS",
     "GAP",
     "KINDS",
+    "MAX_ROWS",
     "OF_BASE",
     "STILL",
+    "Clock",
     "Column",
+    "ColumnsKey",
     "FloatArray",
     "Key",
     "Keys",
-    "Known",
     "Log",
     "Part",
     "Reading",
     "Recording",
+    "RobotLog",
     "Role",
     "SuspectedUnitError",
     "Table",
+    "Unit",
     "Units",
+    "check_names",
+    "columns_key",
+    "entry_keys",
     "glitches",
+    "joints_of",
+    "moves",
     "on_grid",
     "read_log",
     "register",
     "to_recording",
     "uniform_grid",
     "units_from",
+    "with_jumps_mended",
 ]
 
 if TYPE_CHECKING:
-    from .check_recording import to_recording
-    from .logs import KINDS, Column, Log, Part, register
-    from .names.known import Known
-    from .read import read_log
+    from .check_recording import moves, to_recording
+    from .logs import KINDS, MAX_ROWS, Column, Log, Part, entry_keys, register
+    from .mend_jumps import with_jumps_mended
+    from .names import ColumnsKey, check_names, columns_key
     from .reading import Reading
     from .resample import GAP, on_grid, uniform_grid
+    from .robot_log import Clock, RobotLog, Unit, read_log
 else:
     _LATER = {  # with readers of files, or SciPy: imported when asked for
         "GAP": "resample",
         "KINDS": "logs",
+        "MAX_ROWS": "logs",
+        "Clock": "robot_log",
         "Column": "logs",
-        "Known": "names.known",
+        "ColumnsKey": "names",
         "Log": "logs",
         "Part": "logs",
         "Reading": "reading",
+        "RobotLog": "robot_log",
+        "Unit": "robot_log",
+        "check_names": "names",
+        "columns_key": "names",
+        "entry_keys": "logs",
+        "moves": "check_recording",
         "on_grid": "resample",
-        "read_log": "read",
+        "read_log": "robot_log",
         "register": "logs",
         "to_recording": "check_recording",
         "uniform_grid": "resample",
+        "with_jumps_mended": "mend_jumps",
     }
 
     def __getattr__(name: str) -> Any:

@@ -40,9 +40,9 @@ def to_recording(
 
     Args:
         table: What the file holds, time in seconds.
-        joints: Of the study.
+        joints: Whose columns are taken, in this order.
         role: Of the file.
-        units: What the study says of the columns' units.
+        units: Of the columns.
         slides: The prismatic ones among the joints.
         feet: Links whose sensors' columns are read, in their order.
 
@@ -177,7 +177,7 @@ def _check_length(table: Table, units: Units) -> None:
         unit = "ms" if step < 500 else "us" if step < 5e5 else "ns"
         raise SuspectedUnitError(
             f"{table.name}: rows are {step:g} s apart; if column 'time' is in {unit} and not in s,"
-            f" say so in the study: 'units: {{time: {unit}}}' (else 'units: {{time: s}}')",
+            f" say so: 'units: {{time: {unit}}}' (else 'units: {{time: s}}')",
             "time",
             unit,
             f"rows would be {step:g} s apart",

@@ -27,6 +27,7 @@ class Table:
     name: str
     start: float  # time of the first row [s]
     time: FloatArray  # (T,) since the first row [s]
+    clock: str = ""  # what the times were read from, in words
     columns: dict[str, FloatArray]  # (T,) each; NaN where nothing was logged
     others: tuple[str, ...] = ()  # columns of the file that were not read
     units: Mapping[str, str] = field(default_factory=dict)  # of columns, as the log says them

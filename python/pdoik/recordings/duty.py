@@ -32,7 +32,7 @@ def check_duty(recording: Recording, joints: tuple[str, ...], units: Units) -> N
     """That duties are shares of the supply, and supplies positive.
 
     Raises:
-        LoadError: they are not, with the study's line that settles it.
+        LoadError: they are not, with the line that settles it.
     """
     if recording.duty is not None:
         size = np.nan_to_num(np.nanmax(np.abs(np.nan_to_num(recording.duty)), axis=0))
@@ -41,7 +41,7 @@ def check_duty(recording: Recording, joints: tuple[str, ...], units: Units) -> N
             unit = "%" if size[k] <= 100 * _MOST else "permille"
             said = units.named.get(f"duty.{joints[k]}", units.named.get("duty"))
             settle = (
-                f"the study says it is in {said}"
+                f"'units:' says it is in {said}"
                 if said
                 else f"if it is, say 'units: {{duty: {unit}}}'"
             )

@@ -1,4 +1,4 @@
-"""A key of a study's text, as its reader checks it and its reference page shows it."""
+"""A key that says how a log is read, or of a study: checked by its reader, shown on a page."""
 
 from __future__ import annotations
 

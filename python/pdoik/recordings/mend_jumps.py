@@ -33,7 +33,7 @@ def with_jumps_mended(
 
     Args:
         table: Its times rise, all joints have positions.
-        joints: Of the study.
+        joints: With positions.
         units: Of the columns.
         slides: The prismatic ones among the joints.
 

@@ -19,7 +19,7 @@ from .recording import FloatArray
 from .units import KNOWN, Units
 
 
-def read_log(
+def read_table(
     path: Path, name: str, known: Known, part: Part, units: Units, told: Mapping[str, Any]
 ) -> Table:
     """The columns of a log that are channels, or the time.
@@ -27,10 +27,10 @@ def read_log(
     Args:
         path: Of a file or folder of any kind in `logs.KINDS`.
         name: What messages call it.
-        known: Joints, and what the study says of columns.
+        known: Joints, and what is said of columns.
         part: Which rows.
-        units: What the study says of units; a log's own are in the table.
-        told: What else the recording's entry says of how to read it.
+        units: What is said of units; a log's own are in the table.
+        told: What else is said of how to read it: `rate`, and keys of its kind.
 
     Raises:
         LoadError: it cannot be read, has no time, a cell is no number, or it has too many rows.
@@ -57,6 +57,7 @@ def read_log(
             name=name,
             start=start + log.origin,
             time=rows[:, 0],
+            clock=_clock(timed, units) if period is None else f"{1 / period:.6g} rows a second",
             columns={
                 each.target: rows[:, k] * each.factor for k, each in enumerate(wanted, start=1)
             },
@@ -86,8 +87,7 @@ def _period(log: Log, name: str, settled: Sequence[Settled], rate: float | None)
         names = [each.name for each in log.columns]
         raise LoadError(
             f"{name}: expected a column 'time' [s]{nearest('time', names)}; it has {listed(names)};"
-            " 'columns: {time: NAME}' in the study says which it is, or 'rate:' [Hz] in the"
-            " recording's entry that rows are even"
+            " 'columns: {time: NAME}' says which it is, or 'rate:' [Hz] that rows are even"
         )
     return period
 
@@ -96,8 +96,22 @@ def _time_unit(timed: Sequence[Settled], units: Units) -> float:
     """Of the column of times [s]; what is counted, or made of stamps, is in seconds."""
     if len(timed) != 1 or timed[0].column.converted:
         return 1.0
-    written = {"time": timed[0].unit} if timed[0].unit else {}
-    return units.with_written(written).factor("time")
+    return _said_of(timed[0], units).factor("time")
+
+
+def _said_of(time: Settled, units: Units) -> Units:
+    return units.with_written({"time": time.unit} if time.unit else {})
+
+
+def _clock(timed: Sequence[Settled], units: Units) -> str:
+    """What times are read from, in words."""
+    names = " and ".join(repr(each.column.name) for each in timed)
+    if len(timed) > 1:
+        return f"columns {names}"
+    if timed[0].column.converted:
+        return f"{names}, by the log's own stamps or dates"
+    unit, source = _said_of(timed[0], units).said_of("time")
+    return f"column {names} in {unit or 's'}" + (", assumed" if source == "assumed" else "")
 
 
 def _timed(

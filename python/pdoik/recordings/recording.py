@@ -22,15 +22,15 @@ OF_BASE = ("base", "gyro", "acc", "contact")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Recording:
-    """What was logged of one run. Arrays are (T, n), in the order of the study's joints.
+    """What was logged of one run. Arrays are (T, n), in the order of the joints.
 
     A channel that was not logged is None; one not logged for a joint is a column of NaN.
     """
 
     name: str  # the file's name, unique in the study
     file: str = ""  # its name where the recording is a part of one
-    role: Role
-    start: float  # of the first sample on the study's clock [s]
+    role: Role = "fit"
+    start: float  # of the first sample on the log's clock [s]
     time: FloatArray  # (T,) uniform, from 0 [s]
     q: FloatArray  # [rad], [m] for prismatic joints; at the motor's side of the gear
     dq: FloatArray | None = None  # [rad/s]

@@ -1,11 +1,11 @@
-"""Units of a recording's columns: what the study says they are, as factors to SI."""
+"""Units of a log's columns, as the log or whoever reads it names them: factors to SI."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import pi
-from typing import Any
+from typing import Any, Literal
 
 from pdoik._nearest import nearest
 from pdoik.errors import LoadError
@@ -34,38 +34,46 @@ KNOWN: dict[str, dict[str, float]] = {
 
 _PARENT = {"q_des": "q", "dq_des": "dq", "tau_cmd": "tau", SUPPLY: "voltage"}
 
+Source = Literal["named", "log", "assumed"]
+"""Who says a unit: who reads the log, the log itself, or nobody, then it is SI."""
+
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """What a study says of its columns' units; commands have the unit of what they command."""
+    """What is said of columns' units; commands have the unit of what they command."""
 
     named: Mapping[str, str] = field(default_factory=dict)  # of a channel or a column
     written: Mapping[str, str] = field(default_factory=dict)  # of columns, by a log itself
 
     def settles(self, channel: str) -> bool:
-        """Whether the study or the log names the channel's unit itself."""
+        """Whether somebody names the channel's unit: the log, or who reads it."""
         return any(each.partition(".")[0] == channel for each in (*self.named, *self.written))
 
     def factor(self, column: str, prismatic: bool = False) -> float:
         """By what a column is multiplied to be in SI; angles' units do not touch slides."""
-        channel = column.partition(".")[0]
+        unit, source = self.said_of(column)
+        angular = unit in _ANGLE or unit in _SPEED
+        if not unit or (prismatic and angular and source == "named"):
+            return 1.0
+        return _known(column)[unit]
+
+    def said_of(self, column: str) -> tuple[str, Source]:
+        """The unit that a column is said to be in, "" of none, and who says it."""
+        channel, dot, joint = column.partition(".")
         above = parent(channel)
-        _, dot, joint = column.partition(".")
         for key in (column, channel, f"{above}{dot}{joint}", above):
             if key in self.named:
-                unit = self.named[key]
-                angular = unit in _ANGLE or unit in _SPEED
-                return 1.0 if prismatic and angular else _known(channel)[unit]
+                return self.named[key], "named"
         written = self.written.get(column, self.written.get(channel))
-        return 1.0 if written is None else _known(channel)[written]
+        return ("", "assumed") if written is None else (written, "log")
 
     def with_written(self, written: Mapping[str, str]) -> Units:
-        """With what a log says itself, where the study does not."""
+        """With what a log says itself, where nobody else does."""
         return replace(self, written=written)
 
 
 def units_from(content: Any, source: str) -> Units:
-    """The study's `units`, such as {q: deg, tau: mN.m, q.gripper: mm}.
+    """Of a mapping such as {q: deg, tau: mN.m, q.gripper: mm}.
 
     Raises:
         LoadError: a channel or unit is not known.

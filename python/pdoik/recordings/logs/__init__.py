@@ -11,6 +11,8 @@ import importlib
 import importlib.metadata
 import pkgutil
 
+from .arrow_numbers import numbers
+from .csv_form import CsvForm, is_number
 from .kinds import GROUP, KINDS, entry_keys, open_log, register
 from .log import Column, Log
 from .part import MAX_ROWS, Part, check_size
@@ -24,10 +26,13 @@ __all__ = [
     "KINDS",
     "MAX_ROWS",
     "Column",
+    "CsvForm",
     "Log",
     "Part",
     "check_size",
     "entry_keys",
+    "is_number",
+    "numbers",
     "open_log",
     "register",
 ]

@@ -98,7 +98,7 @@ def env_of(name: str, told: Mapping[str, Any]) -> int | None:
 def _why_not(count: int, env: int | None) -> str:
     """Why numbers of several environments are not read, in words."""
     if env is None and count > 1:
-        return f"it is of {count} environments; 'env: 0' in the recording's entry says which"
+        return f"it is of {count} environments; 'env: 0' says which"
     return f"it has no environment {env}, but {count}" if env is not None and env >= count else ""
 
 

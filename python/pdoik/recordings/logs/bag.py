@@ -13,7 +13,6 @@ from pdoik.errors import LoadError
 
 from ..key import Key, Keys
 from ..recording import FloatArray
-from ..values import text
 from .bag_messages import COMMANDS, JTC_STATE, STATES, TRAJECTORY, Topic
 from .kinds import register
 from .log import Column, Log
@@ -47,8 +46,8 @@ class Bag(Log):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
 
-        topic = text(told.get("topic"), f"{name}: topic")
-        command_topic = text(told.get("command_topic"), f"{name}: command_topic")
+        topic = _topic(name, told, "topic")
+        command_topic = _topic(name, told, "command_topic")
         self.notes = []
         self._name = name
         self._reader: Any = None
@@ -175,6 +174,13 @@ def _at(at: Any, stamps: Any, values: FloatArray, *, lines: bool) -> FloatArray:
 
 def _storages(path: Path) -> list[Path]:
     return sorted(each for each in path.iterdir() if each.suffix in (".mcap", ".db3"))
+
+
+def _topic(name: str, told: Mapping[str, Any], key: str) -> str | None:
+    topic = told.get(key)
+    if topic is not None and not isinstance(topic, str):
+        raise LoadError(f"{name}: {key}: expected text, got {topic!r}")
+    return topic
 
 
 def _storage(path: Path, name: str) -> Path:

@@ -89,7 +89,7 @@ class Hdf5(Log):
         if len(demos) > 1:
             raise LoadError(
                 f"{self._name}: {len(demos)} demonstrations: {_listed(list(demos))}; say which"
-                f" with 'demo:' in the recording's entry"
+                f" with 'demo:'"
             )
         return self._file[next(iter(demos.values()))] if demos else self._file
 

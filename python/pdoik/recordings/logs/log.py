@@ -25,7 +25,7 @@ class Column:
     channel: str = ""  # what it is in this kind of log, unless its own words say otherwise
     unit: str = ""  # of `units.KNOWN`, where this kind of log has no other
     converted: bool = False  # to that unit by the reader, from stamps or dates
-    aside: str = ""  # why it is only read where the study's `columns:` ask for it, in words
+    aside: str = ""  # why it is only read where `columns:` asks for it, in words
 
 
 class Log(ABC):

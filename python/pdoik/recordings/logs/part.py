@@ -9,7 +9,7 @@ import numpy as np
 from pdoik.errors import LoadError
 
 MAX_ROWS = 1_000_000
-"""Rows kept of one log unless the study says otherwise: more than an hour at 250 Hz."""
+"""Rows kept of one log unless more is asked for: more than an hour at 250 Hz."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,10 +25,10 @@ class Part:
         """What is left out, in words."""
         notes = []
         if self.every > 1:
-            notes.append(f"only every {self.every}th row was read, as the study says")
+            notes.append(f"only every {self.every}th row was read, as was asked")
         if self.window is not None:
             first, last = self.window
-            notes.append(f"only {first:g} s to {last:g} s were read, as the study says")
+            notes.append(f"only {first:g} s to {last:g} s were read, as was asked")
         return tuple(notes)
 
 
@@ -41,7 +41,7 @@ def check_size(name: str, rows: float, part: Part) -> None:
     if part.window is None and rows / part.every > part.max_rows:
         thin = int(np.ceil(rows / part.max_rows))
         raise LoadError(
-            f"{name}: about {rows:,.0f} rows, expected at most {part.max_rows:,}; in the study,"
-            f" take a piece of it with '{{file: {name}, window: [0, 600]}}' [s], or every"
+            f"{name}: about {rows:,.0f} rows, expected at most {part.max_rows:,};"
+            f" take a piece of it with 'window: [0, 600]' [s], or every"
             f" {thin}th row with 'every: {thin}', or allow more with 'max_rows:'"
         )

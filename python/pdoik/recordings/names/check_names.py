@@ -1,4 +1,4 @@
-"""Columns that look like a channel of the study's joints with a typing error in it."""
+"""Columns that look like a channel of the joints with a typing error in it."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def check_names(table: Table, joints: Collection[str], ignore: Collection[str]) 
         if meant is not None and meant not in table.columns:
             raise LoadError(
                 f"{table.name}: column {column!r} is none that pdoik knows; if {meant!r} is meant,"
-                f" rename it or say so in the study: 'columns: {{{meant}: \"{column}\"}}', else"
-                f" list it there: 'ignore: [{column}]'"
+                f" rename it or say so with 'columns: {{{meant}: \"{column}\"}}', else"
+                f" leave it out with 'ignore: [{column}]'"
             )
 
 

@@ -1,4 +1,4 @@
-"""The study's `columns:`, which settles what names do not."""
+"""The key `columns:`, which settles what names do not."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PLACES = {"{joint}": r"(?P<joint>.+)", "{index}": r"(?P<index>\d+)"}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Match:
-    """A column that the study maps."""
+    """A column that is mapped."""
 
     column: Column
     target: str  # "time", "q", "q.elbow", "volts", "tip.x"
@@ -35,7 +35,7 @@ class ColumnsKey:
     optional: bool = False  # whether a log may lack them
 
     def matches(self, columns: Collection[Column]) -> dict[str, list[Match]]:
-        """Columns by the target that the study gives them, none where it has no such name."""
+        """Columns by the target that they are given, none where a log has no such name."""
         return {
             target: [each for column in columns if (each := _match(target, source, column))]
             for target, source in self.sources.items()

@@ -15,16 +15,20 @@ SHOWN = 8
 ALONG_THE_ARM = "the joints' order from the base"
 """How numbers are understood where nobody names their joints."""
 
+IN_THE_LOG = "their order in the log, which names no joints"
+"""Likewise, where not even a robot is known."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Known:
     """What is known of a log's columns before it is opened."""
 
-    joints: tuple[str, ...] | None = None  # the study's, in its order
-    others: tuple[str, ...] = ()  # of the robot's description, where the study names none
+    joints: tuple[str, ...] | None = None  # whose channels are read, in this order
+    others: tuple[str, ...] = ()  # of the robot's description, where nobody names them
     arm: tuple[str, ...] = ()  # those of them that follow one another from the base
-    key: ColumnsKey = field(default_factory=ColumnsKey)  # the study's `columns:`
+    key: ColumnsKey = field(default_factory=ColumnsKey)  # of `columns:`
     ignore: Collection[str] = ()
+    numbered: bool = False  # whether joints that nobody names are joint1, joint2 ...
     order: MujocoOrder = field(default_factory=MujocoOrder)
 
 

@@ -1,4 +1,4 @@
-"""Columns that the study's `columns:` map."""
+"""Columns that `columns:` maps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def take_mapped(
     """Add them to those found, by target.
 
     Raises:
-        LoadError: the study maps a name that is not there, or two to the same.
+        LoadError: `columns:` maps a name that is not there, or two to the same.
     """
     there = {each.name for each in columns}
     for target, matches in known.key.matches(columns).items():
@@ -82,8 +82,8 @@ def _joint_and_factor(
             return entry.joint, factor if mine else 1.0
     if known.joints is None:
         raise LoadError(
-            f"{name}: columns: {match.target}: '{{index}}' counts the study's joints; expected"
-            " 'joints:' in the study"
+            f"{name}: columns: {match.target}: '{{index}}' counts joints in the order of"
+            " 'joints:', which is missing"
         )
     at = match.index - first
     return (known.joints[at] if at < len(known.joints) else None), 1.0

@@ -25,8 +25,13 @@ class Meaning:
     series: str = ""  # the name without its number: columns that are counted together
 
 
-def meaning_of(column: Column, joints: Spellings) -> Meaning | str | None:
+def meaning_of(column: Column, joints: Spellings, *, alone: bool = False) -> Meaning | str | None:
     """What a column means by its name.
+
+    Args:
+        column: As the log has it.
+        joints: How the names of joints may be written.
+        alone: Whether a name without a joint or a number may be of the only joint there is.
 
     Returns:
         Its meaning; or why it cannot be told, of a name that looks like a channel of a joint, in
@@ -68,7 +73,9 @@ def meaning_of(column: Column, joints: Spellings) -> Meaning | str | None:
     if joint is None and column.index is None and len(numbers) != 1:
         if not numbers and quantity == "voltage" and not left:
             return Meaning(column=column, channel="voltage", unit=unit)
-        return None
+        if numbers or not alone:
+            return None
+        numbers = ["1"]
     if not channel:
         return None
     if unclear or (written and not unit):
@@ -82,6 +89,37 @@ def meaning_of(column: Column, joints: Spellings) -> Meaning | str | None:
         unit=unit,
         counted_by=next((words.MUJOCO[t.text] for t in at if t.text in words.MUJOCO), ""),
         series=series,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """What a name says without any joint in it."""
+
+    quantity: str
+    commanded: bool
+    used: frozenset[int]  # places of the words that say so
+    left: tuple[int, ...]  # of those that say nothing of it, nor of units or roles; numbers too
+
+
+def quantity_of(tokens: Sequence[Token], written: str) -> Quantity | None:
+    """Of a name's words; None where they say no quantity, or that it is something else."""
+    if any(each.text in words.OTHER for each in tokens):
+        return None
+    at = [k for k, each in enumerate(tokens) if not each.text.isdigit()]
+    found = _quantity([tokens[k] for k in at])
+    if found is None:
+        return None
+    quantity, _, places = found
+    used = frozenset(at[place] for place in places)
+    said = [k for k in at if k not in used and not _is_said(tokens[k].text)]
+    _, left = _unit([tokens[k] for k in said], written, quantity)
+    kept = {*said[: len(left)], *(k for k in range(len(tokens)) if k not in at)}
+    return Quantity(
+        quantity=quantity,
+        commanded=any(tokens[k].text in words.COMMANDED for k in at if k not in used),
+        used=used,
+        left=tuple(sorted(kept)),
     )
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from pdoik.descriptions import RobotDescription
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,13 +34,13 @@ class MujocoOrder:
     entries: Mapping[tuple[str, int], Entry] = field(default_factory=dict)
 
 
-def mujoco_order(path: Path | None) -> MujocoOrder:
-    """Of an MJCF file; without entries for any other, or none."""
-    if path is None or b"<mujoco" not in path.read_bytes():
+def mujoco_order(robot: RobotDescription | None) -> MujocoOrder:
+    """Of an MJCF; without entries for any other description, or none."""
+    if robot is None or robot.kind != "mjcf":
         return MujocoOrder()
     import mujoco
 
-    model = mujoco.MjModel.from_xml_path(str(path))
+    model = robot.mujoco
     single = {int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)}
     entries: dict[tuple[str, int], Entry] = {}
     for k in range(model.njnt):
@@ -54,7 +55,7 @@ def mujoco_order(path: Path | None) -> MujocoOrder:
         if int(model.jnt_type[joint]) in single:
             entries["actuator", k] = _actuator(model, k, model.joint(joint).name)
     sizes = {"qpos": model.nq, "dof": model.nv, "actuator": model.nu}
-    return MujocoOrder(name=path.name, sizes=sizes, entries=entries)
+    return MujocoOrder(name=robot.place.name, sizes=sizes, entries=entries)
 
 
 def _actuator(model: Any, k: int, joint: str) -> Entry:

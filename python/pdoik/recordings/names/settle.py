@@ -1,4 +1,4 @@
-"""Which columns of a log are which channels, with what the study says first."""
+"""Which columns of a log are which channels, first as `columns:` says, then by their names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from ..logs import Column
 from ..recording import CHANNELS
 from ..units import parent
 from . import words
-from .known import ALONG_THE_ARM, SHOWN, Known, Settled, listed
+from .inferred import joints_in
+from .known import ALONG_THE_ARM, IN_THE_LOG, SHOWN, Known, Settled, listed
 from .mapped import take_mapped
 from .meaning import Meaning, meaning_of
 from .mujoco_order import Entry
@@ -30,7 +31,7 @@ def settle(name: str, columns: Sequence[Column], known: Known) -> tuple[list[Set
     """The columns to read, and why others that look like channels are not read, in words.
 
     Raises:
-        LoadError: the study maps names that are not there, or two columns claim the same.
+        LoadError: `columns:` maps names that are not there, or two columns claim the same.
     """
     columns = [c for c in columns if not {c.name, c.array} & set(known.ignore)]
     found: dict[str, Settled] = {}
@@ -60,11 +61,13 @@ def _take_meant(
     name: str, columns: Sequence[Column], known: Known, found: dict[str, Settled]
 ) -> list[str]:
     joints = known.joints if known.joints is not None else known.others or _labelled(columns)
+    if known.numbered and not joints:
+        joints = joints_in(columns)
     spellings = joint_spellings(joints)
     meant: list[Meaning] = []
     unclear: list[tuple[str, str]] = []
     for column in columns:
-        meaning = meaning_of(column, spellings)
+        meaning = meaning_of(column, spellings, alone=known.numbered)
         if isinstance(meaning, Meaning):
             meant.append(meaning)
         elif meaning is not None:
@@ -83,13 +86,13 @@ def _take_meant(
         if len(settled_) > 1:
             first, second = settled_[0].column.name, settled_[1].column.name
             raise LoadError(
-                f"{name}: columns {first!r} and {second!r} may both be {target!r}; say which in the"
-                f" study: 'columns: {{{target}: \"{first}\"}}', or list the other under 'ignore:'"
+                f"{name}: columns {first!r} and {second!r} may both be {target!r}; say which with"
+                f" 'columns: {{{target}: \"{first}\"}}', or list the other under 'ignore:'"
             )
         found[target] = settled_[0]
     if unclear:
         shown = "; ".join(f"{column!r}: {why}" for column, why in unclear[:SHOWN])
-        reasons.append(f"not read, unless 'columns:' in the study maps it: {shown}")
+        reasons.append(f"not read, unless 'columns:' maps it: {shown}")
     return list(dict.fromkeys(reasons))
 
 
@@ -145,24 +148,44 @@ def _claims(
         labels = [e.column.label for e in all_ if e.series == each.series and e.joint is None]
         reasons.append(f"of {shown} not read, as they are no joints: {listed(labels)}")
         return []
-    joints, order = known.joints, "the order of the study's joints"
+    joints, order = known.joints, "the order of the joints that were named"
     if joints is None and whole and count == len(known.arm):
         joints, order = known.arm, ALONG_THE_ARM
+    if joints is None and whole and known.numbered:
+        joints, order = _numbered(all_, count), IN_THE_LOG
     if joints is None:
         reasons.append(
             f"{shown} not read: its {count} numbers are of no named joints; give"
-            " 'joints:' in the study, in their order"
+            " 'joints:', in their order"
         )
         return []
     if not whole or count != len(joints):
         reasons.append(
-            f"{shown} not read: it has {count} numbers, the study {len(joints)} joints;"
+            f"{shown} not read: it has {count} numbers for {len(joints)} joints;"
             f" say which is which with 'columns: {{{each.channel}.{joints[0]}: \"{column.name}\"}}'"
         )
         return []
     at = each.number - (0 if column.index is not None else numbers[0])
     target = f"{each.channel}.{joints[at]}"
     return [Settled(column=column, target=target, unit=each.unit, by_order=order)]
+
+
+def _numbered(all_: Sequence[Meaning], count: int) -> tuple[str, ...] | None:
+    """Names for as many joints as the positions are of, where a log names none; else None."""
+    of_joints = [each for each in all_ if each.channel in CHANNELS]
+    if any(each.joint is not None or each.column.label for each in of_joints):
+        return None
+    series: dict[str, list[Meaning]] = {}
+    for each in of_joints:
+        series.setdefault(each.series, []).append(each)
+    positions = {len(each) for each in series.values() if each[0].channel == "q"}
+    if (positions or {len(each) for each in series.values()}) != {count}:
+        return None
+    written = [
+        each.number for each in of_joints if each.column.index is None and each.number is not None
+    ]
+    first = min(written, default=1)
+    return tuple(f"joint{k}" for k in range(first, first + count))
 
 
 def _is_name(meaning: Meaning, numbers: Sequence[int], known: Known) -> bool:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from pdoik.descriptions import RobotFacts
 from pdoik.recordings import Recording
-from pdoik.recordings.names.known import ALONG_THE_ARM
+from pdoik.recordings.names import ALONG_THE_ARM
 
-from ..study.robot_facts import RobotFacts
 from .actuators import ActuatorGains
 from .hold_out import HoldOut, hold_out
 from .trial import Trial

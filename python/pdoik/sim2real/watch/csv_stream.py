@@ -11,11 +11,9 @@ import pyarrow.csv
 
 from pdoik._nearest import nearest
 from pdoik.errors import LoadError
-from pdoik.recordings import Column, FloatArray, Known, Reading
-from pdoik.recordings.logs.arrow_numbers import numbers
-from pdoik.recordings.logs.csv_form import CsvForm, is_number
-from pdoik.recordings.names.known import listed
-from pdoik.recordings.names.settle import settle
+from pdoik.recordings import FloatArray, Reading
+from pdoik.recordings.logs import Column, CsvForm, is_number, numbers
+from pdoik.recordings.names import Known, listed, settle
 
 _TORN = 0.1  # share of a piece's lines that may hold no numbers, as where a file was cut off
 _LONGEST = 1 << 20  # bytes of a line

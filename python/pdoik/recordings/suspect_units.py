@@ -7,11 +7,12 @@ from math import pi
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from pdoik.recordings import FloatArray, Recording, SuspectedUnitError, Units
-from pdoik.recordings.check_recording import moves
+from pdoik.descriptions import RobotDescription, RobotFacts
 
-from .gravity import gravity_torque
-from .robot_facts import RobotFacts
+from .check_recording import moves
+from .recording import FloatArray, Recording
+from .suspected_unit import SuspectedUnitError
+from .units import Units
 
 _TURNS = 4 * pi  # a joint of an arm hardly turns farther [rad]
 _BEYOND = 0.35  # past a limit, more than an encoder's zero explains [rad]
@@ -23,15 +24,16 @@ _SMOOTH = 0.05  # [s]
 
 
 def check_units(
-    recording: Recording, joints: tuple[str, ...], units: Units, facts: RobotFacts | None
+    recording: Recording, joints: tuple[str, ...], units: Units, robot: RobotDescription | None
 ) -> None:
     """Ask about channels whose numbers look like degrees, rpm, mN m or mm.
 
-    A channel whose unit the study names itself is believed.
+    A channel whose unit somebody names is believed.
 
     Raises:
-        SuspectedUnitError: with the unit suspected, why, and the study's line that settles it.
+        SuspectedUnitError: with the unit suspected, why, and the line that settles it.
     """
+    facts = None if robot is None else robot.facts
     turning = [facts is None or facts.joints[joint].type != "prismatic" for joint in joints]
     if not units.settles("q"):
         _positions(recording, joints, turning, facts)
@@ -40,7 +42,7 @@ def check_units(
     if recording.q_des is not None and not (units.settles("q") or units.settles("q_des")):
         _commands(recording, recording.q_des, np.array(turning))
     if recording.tau is not None and not units.settles("tau"):
-        _torques(recording, recording.tau, joints, facts)
+        _torques(recording, recording.tau, joints, robot)
     if recording.tip is not None and not units.settles("tip"):
         far = float(np.nanmax(np.abs(recording.tip[:, :3])))
         if far > _LENGTH:
@@ -95,17 +97,17 @@ def _commands(recording: Recording, q_des: FloatArray, turning: np.ndarray) -> N
 
 
 def _torques(
-    recording: Recording, tau: FloatArray, joints: tuple[str, ...], facts: RobotFacts | None
+    recording: Recording, tau: FloatArray, joints: tuple[str, ...], robot: RobotDescription | None
 ) -> None:
     """Many times what gravity asks for or the model's limit allows, or more than robots have."""
     size = np.nanpercentile(np.abs(tau[:, ~np.isnan(tau).all(axis=0)]), 95, axis=0)
     names = [joint for k, joint in enumerate(joints) if not np.isnan(tau[:, k]).all()]
-    if facts is not None:
+    if robot is not None:
         rows = np.linspace(0, len(tau) - 1, min(len(tau), 200)).astype(int)
-        gravity = gravity_torque(facts.path, joints, recording.q[rows])
+        gravity = robot.gravity_torque(joints, recording.q[rows])
         _against_gravity(recording, np.nan_to_num(tau[rows]), gravity, joints)
         for joint, came in zip(names, size, strict=True):
-            limit = facts.joints[joint].effort
+            limit = robot.facts.joints[joint].effort
             if limit is not None and came > _TOO_MUCH * limit:
                 why = f"tau.{joint} reaches {came:.4g}, the robot's limit is {limit:.4g} N m"
                 _ask(recording, "tau", "mN.m" if came > 100 * limit else "N.cm", "N.m", why)
@@ -149,8 +151,8 @@ def _near(ratio: float, factor: float) -> bool:
 
 def _ask(recording: Recording, channel: str, suspected: str, expected: str, why: str) -> None:
     raise SuspectedUnitError(
-        f"{recording.name}: is '{channel}' in {suspected}? Expected {expected}, but {why}. Say in"
-        f" the study which it is: 'units: {{{channel}: {suspected}}}' or"
+        f"{recording.name}: is '{channel}' in {suspected}? Expected {expected}, but {why}. Say"
+        f" which it is: 'units: {{{channel}: {suspected}}}' or"
         f" 'units: {{{channel}: {expected}}}'",
         channel,
         suspected,

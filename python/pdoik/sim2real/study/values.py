@@ -9,8 +9,7 @@ import numpy as np
 
 from pdoik._nearest import nearest
 from pdoik.errors import LoadError
-
-from .recording import FloatArray
+from pdoik.recordings import FloatArray
 
 
 def checked(content: Any, keys: Collection[str], source: str) -> dict[str, Any]:

@@ -1,34 +1,20 @@
-"""The torque that holds a model still, to judge the size of recorded torques."""
+"""The torque that holds a robot still, by Pinocchio or MuJoCo."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from xml.etree import ElementTree
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from pdoik.errors import LoadError
-from pdoik.recordings import FloatArray
-
 from .quiet_mujoco import quiet_mujoco
+from .xml import FloatArray
 
 
-def gravity_torque(path: Path, joints: tuple[str, ...], q: FloatArray) -> FloatArray:
-    """g(q) of these joints, the others at zero, (T, n) [N m].
-
-    Args:
-        path: URDF, by Pinocchio, or MJCF, by MuJoCo.
-        joints: Columns of q.
-        q: (T, n) [rad].
-    """
-    if ElementTree.parse(path).getroot().tag == "mujoco":
-        return _by_mujoco(path, joints, q)
+def gravity_by_pinocchio(model: Any, joints: Sequence[str], q: FloatArray) -> FloatArray:
+    """g(q) of these joints, the others at neutral, (T, n) [N m], for q (T, n) [rad]."""
     import pinocchio as pin
 
-    try:
-        model = pin.buildModelFromUrdf(str(path))
-    except (ValueError, RuntimeError) as error:
-        raise LoadError(f"{path.name}: Pinocchio cannot read it: {error}") from error
     data = model.createData()
     ids = [model.getJointId(joint) for joint in joints]
     at = pin.neutral(model)
@@ -42,10 +28,10 @@ def gravity_torque(path: Path, joints: tuple[str, ...], q: FloatArray) -> FloatA
     return out
 
 
-def _by_mujoco(path: Path, joints: tuple[str, ...], q: FloatArray) -> FloatArray:
+def gravity_by_mujoco(model: Any, joints: Sequence[str], q: FloatArray) -> FloatArray:
+    """Likewise, the others as the model places them."""
     import mujoco
 
-    model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     addresses = [model.joint(joint).qposadr[0] for joint in joints]
     dofs = [model.joint(joint).dofadr[0] for joint in joints]
