@@ -198,7 +198,7 @@ class RobotDescription:
 
     @classmethod
     def of_text(cls, xml: str, *, packages: Packages = ()) -> RobotDescription:
-        """Of a URDF's text."""
+        """Of the text of a URDF or an MJCF."""
         return cls(path=None, text=xml, kind=_kind(None, xml), packages=Places.of(packages))
 
     @property
@@ -274,26 +274,24 @@ class RobotDescription:
                 one that is put in front.
 
         Raises:
-            LoadError: Pinocchio refuses it.
+            LoadError: Pinocchio refuses it, or it is the text of an MJCF.
         """
         import pinocchio as pin
 
         is_mjcf = self.tree.tag == "mujoco"
-        ways = {
-            (False, False): pin.buildModelFromXML,
-            (False, True): pin.buildModelFromUrdf,
-            (True, False): pin.buildModelFromMJCF,
-            (True, True): pin.buildModelFromMJCF,
-        }
-        by_file = self.path is not None and self.kind != "xacro"
-        read, source = ways[is_mjcf, by_file], str(self.path) if by_file else self.urdf()
+        if self.path is not None and self.kind != "xacro":
+            read = pin.buildModelFromMJCF if is_mjcf else pin.buildModelFromUrdf
+            source = str(self.path)
+        elif is_mjcf:
+            raise LoadError("Pinocchio reads an MJCF from a file, and this is text")
+        else:
+            read, source = pin.buildModelFromXML, self.urdf()
         try:
-            if not floats:
-                return read(source)
-            model = read(source) if is_mjcf else None
-            if model is not None and model.njoints > 1 and model.joints[1].nv == 6:
-                return model  # a free joint of its own
-            return read(source, pin.JointModelFreeFlyer())
+            model = None if floats and not is_mjcf else read(source)
+            if not floats or (model is not None and model.njoints > 1 and model.joints[1].nv == 6):
+                return model  # fixed, or with a free joint of its own
+            named = ("root_joint",) if is_mjcf else ()  # of URDFs that is the default
+            return read(source, pin.JointModelFreeFlyer(), *named)
         except (ValueError, RuntimeError) as error:
             raise LoadError(f"{self.place.name}: Pinocchio cannot read it: {error}") from error
 

@@ -68,27 +68,17 @@ if TYPE_CHECKING:
     from .robot_log import Clock, RobotLog, Unit, read_log
 else:
     _LATER = {  # with readers of files, or SciPy: imported when asked for
-        "GAP": "resample",
-        "KINDS": "logs",
-        "MAX_ROWS": "logs",
-        "Clock": "robot_log",
-        "Column": "logs",
-        "ColumnsKey": "names",
-        "Log": "logs",
-        "Part": "logs",
-        "Reading": "reading",
-        "RobotLog": "robot_log",
-        "Unit": "robot_log",
-        "check_names": "names",
-        "columns_key": "names",
-        "entry_keys": "logs",
-        "moves": "check_recording",
-        "on_grid": "resample",
-        "read_log": "robot_log",
-        "register": "logs",
-        "to_recording": "check_recording",
-        "uniform_grid": "resample",
-        "with_jumps_mended": "mend_jumps",
+        name: module
+        for module, names in {
+            "check_recording": "moves to_recording",
+            "logs": "KINDS MAX_ROWS Column Log Part entry_keys register",
+            "mend_jumps": "with_jumps_mended",
+            "names": "ColumnsKey check_names columns_key",
+            "reading": "Reading",
+            "resample": "GAP on_grid uniform_grid",
+            "robot_log": "Clock RobotLog Unit read_log",
+        }.items()
+        for name in names.split()
     }
 
     def __getattr__(name: str) -> Any:

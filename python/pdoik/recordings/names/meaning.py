@@ -44,36 +44,26 @@ def meaning_of(column: Column, joints: Spellings, *, alone: bool = False) -> Mea
     tokens += [Token(each.text, last + each.component) for each in label.tokens]
     joint, whole = _joint(tokens, joints)
     rest = [each for k, each in enumerate(tokens) if k not in whole]
-    if any(each.text in words.OTHER for each in rest):
+    written = column.unit or label.unit or spelled.unit
+    said = quantity_of(rest, written, column.channel)
+    if said is None:
         return None
     by_number = joint is not None and joint.isdigit() and column.index is None
     numbers = [joint] if by_number and joint is not None else _numbers(rest)
-    at = [each for each in rest if not each.text.isdigit()]
-    found = _quantity(at)
-    quantity, place, used = found if found is not None else ("", -1, frozenset[int]())
-    commanded = any(each.text in words.COMMANDED for k, each in enumerate(at) if k not in used)
-    if not quantity and column.channel:
-        base = column.channel.removesuffix("_des").removesuffix("_cmd")
-        quantity, commanded = base, commanded or base != column.channel
-    elif column.channel.endswith(("_des", "_cmd")):
-        commanded = True
-    if not quantity:
-        return None
-    left = [each for k, each in enumerate(at) if k not in used and not _is_said(each.text)]
-    written = column.unit or label.unit or spelled.unit
-    unit, left = _unit(left, written, quantity)
-    places = {place} | {tokens[k].component for k in whole}
+    quantity, unit = said.quantity, said.unit
+    left = [rest[k] for k in said.left if not rest[k].text.isdigit()]
+    places = {said.component} | {tokens[k].component for k in whole}
     unclear = [each.text for each in left if each.component in places]
     if quantity == "time":
         unclear = [each for each in unclear if each not in words.CLOCKS]
         return None if unclear or whole else Meaning(column=column, channel="time", unit=unit)
-    channel = words.CHANNELS_OF.get((quantity, commanded), "")
+    channel = words.CHANNELS_OF.get((quantity, said.commanded), "")
     if quantity in ("ctrl", "actuator_force"):
         channel = quantity
     if joint is None and column.index is None and len(numbers) != 1:
         if not numbers and quantity == "voltage" and not left:
             return Meaning(column=column, channel="voltage", unit=unit)
-        if numbers or not alone:
+        if numbers or left or not alone:
             return None
         numbers = ["1"]
     if not channel:
@@ -87,39 +77,50 @@ def meaning_of(column: Column, joints: Spellings, *, alone: bool = False) -> Mea
         joint=joint,
         number=column.index if column.index is not None else _one(numbers),
         unit=unit,
-        counted_by=next((words.MUJOCO[t.text] for t in at if t.text in words.MUJOCO), ""),
+        counted_by=next((words.MUJOCO[t.text] for t in rest if t.text in words.MUJOCO), ""),
         series=series,
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """What a name says without any joint in it."""
+    """What the words of a name say that are of no joint."""
 
     quantity: str
     commanded: bool
-    used: frozenset[int]  # places of the words that say so
-    left: tuple[int, ...]  # of those that say nothing of it, nor of units or roles; numbers too
+    unit: str  # of `units.KNOWN`, "" where none is said
+    component: int  # of the path, in which it stands; -1 where no word says it
+    used: frozenset[int]  # places of its words
+    left: tuple[int, ...]  # of those that say neither it nor a role or unit; numbers, too
 
 
-def quantity_of(tokens: Sequence[Token], written: str) -> Quantity | None:
-    """Of a name's words; None where they say no quantity, or that it is something else."""
+def quantity_of(tokens: Sequence[Token], written: str, default: str = "") -> Quantity | None:
+    """Of a name's words; None where they say no quantity, or that it is something else.
+
+    Args:
+        tokens: The words.
+        written: The unit that stands apart from them.
+        default: The channel where they say none.
+    """
     if any(each.text in words.OTHER for each in tokens):
         return None
     at = [k for k, each in enumerate(tokens) if not each.text.isdigit()]
     found = _quantity([tokens[k] for k in at])
-    if found is None:
+    base = default.removesuffix("_des").removesuffix("_cmd")
+    quantity, component, places = found if found is not None else (base, -1, frozenset[int]())
+    if not quantity:
         return None
-    quantity, _, places = found
     used = frozenset(at[place] for place in places)
-    said = [k for k in at if k not in used and not _is_said(tokens[k].text)]
-    _, left = _unit([tokens[k] for k in said], written, quantity)
-    kept = {*said[: len(left)], *(k for k in range(len(tokens)) if k not in at)}
+    free = [k for k in at if k not in used]
+    said = [k for k in free if not _is_said(tokens[k].text)]
+    unit, left = _unit([tokens[k] for k in said], written, quantity)
     return Quantity(
         quantity=quantity,
-        commanded=any(tokens[k].text in words.COMMANDED for k in at if k not in used),
+        commanded=base != default or any(tokens[k].text in words.COMMANDED for k in free),
+        unit=unit,
+        component=component,
         used=used,
-        left=tuple(sorted(kept)),
+        left=tuple(k for k in range(len(tokens)) if k not in at or k in said[: len(left)]),
     )
 
 
