@@ -271,10 +271,10 @@ class RobotDescription:
 
         Args:
             floats: Joint 1 is then the base's six degrees of freedom: the MJCF's own free joint, or
-                one that is put in front.
+                one that is put in front of a URDF.
 
         Raises:
-            LoadError: Pinocchio refuses it, or it is the text of an MJCF.
+            LoadError: Pinocchio refuses it, or it is the text of an MJCF, or one that cannot float.
         """
         import pinocchio as pin
 
@@ -287,13 +287,15 @@ class RobotDescription:
         else:
             read, source = pin.buildModelFromXML, self.urdf()
         try:
-            model = None if floats and not is_mjcf else read(source)
-            if not floats or (model is not None and model.njoints > 1 and model.joints[1].nv == 6):
-                return model  # fixed, or with a free joint of its own
-            named = ("root_joint",) if is_mjcf else ()  # of URDFs that is the default
-            return read(source, pin.JointModelFreeFlyer(), *named)
+            floating = floats and not is_mjcf
+            model = read(source, pin.JointModelFreeFlyer()) if floating else read(source)
         except (ValueError, RuntimeError) as error:
             raise LoadError(f"{self.place.name}: Pinocchio cannot read it: {error}") from error
+        if floats and (model.njoints < 2 or model.joints[1].nv != 6):
+            raise LoadError(
+                f"{self.place.name}: its base floats; expected a <freejoint/> at its root"
+            )
+        return model
 
     def gravity_torque(self, joints: Sequence[str], q: FloatArray) -> FloatArray:
         """The torque that holds these joints still, by Pinocchio, or MuJoCo of an MJCF.
