@@ -253,6 +253,20 @@ def test_a_robot_tells_addresses_of_state_vectors(tmp_path: Path) -> None:
     assert np.allclose(read.dq, speed(TIME))
 
 
+def test_joints_that_the_robot_has_not_are_left_out_and_said(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(URDF.format(mass=1))
+    robot = tmp_path / "arm.urdf"
+    table = {"time": TIME, "q.elbow": TIME / 4, "q.wheel": TIME}
+    read = of_csv(tmp_path, table, robot=robot)
+    assert (read.names, read.notes) == (("elbow",), ("not joints of the robot: wheel",))
+    assert not read.suspected
+    with pytest.raises(LoadError, match="the robot has no joint 'elbw' that moves; nearest: 'elb"):
+        of_csv(tmp_path, table, robot=robot, joints=["elbw"])
+    read = of_csv(tmp_path, {"time": TIME, "q.wheel": TIME}, robot=robot)
+    assert (read.names, read.robot) == (("wheel",), None)
+    assert np.allclose(read.q[:, 0], TIME)
+
+
 def test_rows_are_as_logged_and_a_recording_is_mended(tmp_path: Path) -> None:
     q = motion(TIME)[:, 0].copy()
     q[100] += 1.0

@@ -86,13 +86,15 @@ class RobotLog:
         table: The columns in the log's own units.
         names: Of the joints, (n).
         said: What is known of the columns' units.
-        robot: Its description, if one was given.
+        robot: Its description, if one was given and has the joints.
+        left_out: Joints of the log that it has not, in words.
     """
 
     table: Table
     names: tuple[str, ...]
     said: Units
     robot: RobotDescription | None = None
+    left_out: tuple[str, ...] = ()
 
     q = _array("q", "Positions [rad], [m] of prismatic joints")
     dq = _array("dq", "Speeds [rad/s], [m/s]")
@@ -122,7 +124,7 @@ class RobotLog:
     @property
     def notes(self) -> tuple[str, ...]:
         """How columns were understood, and what was not read, in words."""
-        return self.table.notes
+        return (*self.table.notes, *self.left_out)
 
     @property
     def unread(self) -> tuple[str, ...]:
@@ -341,6 +343,10 @@ def read_log(
     if robot is not None and not isinstance(robot, RobotDescription):
         robot = RobotDescription.of(robot)
     facts = None if robot is None else robot.facts
+    for joint in joints or ():
+        if facts is not None and joint not in facts.joints:
+            near = nearest(joint, facts.joints)
+            raise LoadError(f"{name}: joints: the robot has no joint {joint!r} that moves{near}")
     if not isinstance(columns, ColumnsKey):
         columns = columns_key(columns, f"{name}: columns")
     known = Known(
@@ -355,11 +361,15 @@ def read_log(
     said = units if isinstance(units, Units) else units_from(units, name)
     part = Part(every=every, window=window, max_rows=max_rows)
     table = read_table(path, name, known, part, said, how)
+    there = tuple(joints) if joints is not None else _joints(table)
+    names = there if facts is None else tuple(each for each in there if each in facts.joints)
+    others = ", ".join(each for each in there if each not in names)
     return RobotLog(
         table=table,
-        names=tuple(joints) if joints is not None else _joints(table),
+        names=names or there,
         said=said.with_written(table.units),
-        robot=robot,
+        robot=robot if names else None,
+        left_out=(f"not joints of the robot: {others}",) if others else (),
     )
 
 

@@ -69,7 +69,8 @@ class LeRobot(Log):
         if not whole or not 0 <= episode < count:
             came = "none was said" if episode is None else f"got {episode!r}"
             raise LoadError(
-                f"{self._name}: episode: expected one of 0 to {count - 1}, 'episode: 0', {came}"
+                f"{self._name}: episode: expected one of 0 to {count - 1}"
+                f" as in 'episode: 0', {came}"
             )
         return int(episode)
 
