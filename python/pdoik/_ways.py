@@ -23,7 +23,7 @@ from .errors import LoadError
 if TYPE_CHECKING:
     import pdoik._addresses
 
-    from .descriptions.text import Given, Kind
+    from .descriptions.text import Kind, RobotDescription
 
 read_urdf = Robot.from_urdf  # the compiled one, of text alone: below another is put in front of it
 
@@ -76,11 +76,11 @@ def from_urdf(
             are taken as none, and inertias no body can have.
     """
     from .descriptions.load import load_given
-    from .descriptions.text import Given
+    from .descriptions.text import RobotDescription
 
     text = str(path_or_xml).lstrip("\ufeff" + whitespace)  # a byte order mark may come first
     if text.startswith("<"):
-        given = Given.of_text(text, packages=packages)
+        given = RobotDescription.of_text(text, packages=packages)
         _check(given, "the text", "urdf")
     else:
         given = _file(path_or_xml, arguments, packages, "urdf", "xacro")
@@ -188,7 +188,7 @@ def from_description(
         LoadError: As there; or no robot has this name, or its package cannot get the files.
     """
     from .descriptions.load import load_given, load_robot
-    from .descriptions.text import Given, shipped_name
+    from .descriptions.text import RobotDescription, shipped_name
 
     if shipped_name(name) is not None:
         return load_robot(
@@ -199,7 +199,7 @@ def from_description(
             floating_base=floating_base,
             srdf=srdf,
         )
-    given = Given.of_name(name, arguments=arguments, packages=packages)
+    given = RobotDescription.of_name(name, arguments=arguments, packages=packages)
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
 
@@ -208,13 +208,13 @@ def _file(
     arguments: collections.abc.Mapping[str, str] | None,
     packages: pdoik._addresses.Packages,
     *kinds: Kind,
-) -> Given:
+) -> RobotDescription:
     from ._addresses import at_home
-    from .descriptions.text import Given
+    from .descriptions.text import RobotDescription
 
     file = at_home(path)
     try:
-        given = Given.of_file(file, arguments=arguments, packages=packages)
+        given = RobotDescription.of_file(file, arguments=arguments, packages=packages)
     except LoadError as error:
         if isinstance(error.__cause__, FileNotFoundError) and not file.suffix:
             said = f"no such file: {file}; names are for Robot.from_description"
@@ -224,7 +224,7 @@ def _file(
     return given
 
 
-def _check(given: Given, name: str, *kinds: Kind) -> None:
+def _check(given: RobotDescription, name: str, *kinds: Kind) -> None:
     if given.kind not in kinds:
         raise LoadError(f"{name} is {_SAYS[given.kind]}")
 

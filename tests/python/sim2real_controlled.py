@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pdoik.sim2real.study.recording import Recording, Role
+from pdoik.recordings import Recording, Role
 from sim2real_recordings import even_recording
 
 STEP = 1e-3

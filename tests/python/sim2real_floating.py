@@ -13,8 +13,8 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from pdoik.recordings import Recording
 from pdoik.sim2real.study.floating_base import FloatingBase, Foot, Ground
-from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.study.study import Setup, Study
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pdoik.sim2real.study.recording import Recording, Role
+from pdoik.recordings import Recording, Role
 
 
 def even_recording(

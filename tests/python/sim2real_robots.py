@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from pdoik.recordings import Recording
 from pdoik.sim2real.effects.simulated import parts_of
 from pdoik.sim2real.simulation.parts import Part
-from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.study.study import Controller
 from sim2real_recordings import even_recording
 

@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pdoik.sim2real.study.recording import Recording
+from pdoik.recordings import Recording
 
 JOINTS = ("shoulder", "elbow", "wrist")
 PERIOD = 5e-3  # of the logs [s]

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 
 import pdoik
-from pdoik.descriptions import installed
+from pdoik.descriptions import RobotDescription, installed, tree_of, urdf_joints
 from pdoik.errors import LoadError
+from studies import JOINTS
+from studies import MJCF as ARM_MJCF
+from studies import URDF as ARM_URDF
 
 MJCF = """
 <mujoco model="strange">
@@ -102,7 +105,7 @@ def test_what_a_urdf_cannot_say_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LoadError, match="joint 'hip' is a ball"):
         pdoik.load_robot(path)
     path.write_text("<mujoco><worldbody><body></worldbody></mujoco>")
-    with pytest.raises(LoadError, match="MuJoCo: "):
+    with pytest.raises(LoadError, match="MuJoCo cannot read it: "):
         pdoik.load_robot(path)
 
 
@@ -213,3 +216,60 @@ def test_speeds_and_forces_that_a_model_does_not_limit_are_unlimited(strange: Pa
     robot = pdoik.Robot.from_mjcf(strange)
     assert np.isinf(robot.velocity).all()
     assert not (robot.effort == 1e9).any()
+
+
+def test_a_urdf_and_its_mjcf_tell_the_same_of_a_robot(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    pin = pytest.importorskip("pinocchio")
+    for name, text in (("arm.urdf", ARM_URDF), ("arm.xml", ARM_MJCF)):
+        (tmp_path / name).write_text(text.format(mass=1))
+    urdf, mjcf = (RobotDescription.of(tmp_path / name) for name in ("arm.urdf", "arm.xml"))
+    assert (urdf.kind, mjcf.kind) == ("urdf", "mjcf")
+    assert (urdf.tree.tag, mjcf.tree.tag) == ("robot", "mujoco")
+    assert urdf.facts.arm == mjcf.facts.arm == JOINTS
+    assert (urdf.facts.root, mjcf.facts.root) == ("base", "upper")
+    assert urdf.facts.joints["elbow"].upper == 2.5
+    assert mjcf.facts.joints["elbow"].upper == pytest.approx(np.radians(140))
+    assert urdf.facts.mass_moved_by("elbow") == mjcf.facts.mass_moved_by("elbow") == 1.0
+    q = np.random.default_rng(5).uniform(-2, 2, (20, 2))
+    assert np.allclose(urdf.gravity_torque(JOINTS, q), mjcf.gravity_torque(JOINTS, q))
+    assert np.abs(urdf.gravity_torque(JOINTS, q)).max() > 1.0
+    assert mjcf.mujoco is mjcf.mujoco
+    assert urdf.pinocchio().nq == 2
+    assert urdf.pinocchio(floats=True).joints[1].nv == 6
+    with pytest.raises(LoadError, match=r"arm\.xml: its base floats; expected a <freejoint/>"):
+        mjcf.pinocchio(floats=True)
+    text = RobotDescription.of_text(urdf.text)
+    assert text.facts.joints == urdf.facts.joints
+    assert isinstance(text.pinocchio(), pin.Model)
+    with pytest.raises(LoadError, match="reads an MJCF from a file"):
+        RobotDescription.of_text(mjcf.text).pinocchio()
+
+
+def test_joints_of_a_urdf_are_those_that_the_robot_has() -> None:
+    robot = pdoik.Robot.builtin("panda")
+    joints = {each.name: each for each in urdf_joints(tree_of(pdoik.urdf_text("panda")))}
+    q = np.clip(0.0, robot.lower, robot.upper)
+    for name, lower in zip(robot.joint_names, robot.lower, strict=True):
+        joint = joints[name]
+        assert joint.limit("lower") == pytest.approx(lower)
+        assert np.linalg.norm(joint.axis) == pytest.approx(1.0)
+        moved = np.linalg.inv(robot.fk(q, joint.parent)) @ robot.fk(q, joint.child)
+        assert np.allclose(moved[:3, 3], joint.T_parent_child[:3, 3])
+
+
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [
+        ('<joint name="a" type="fixed"/>', "joint 'a': expected <parent> and <child>"),
+        (
+            '<joint name="a" type="revolute"><parent link="b"/><child link="c"/>'
+            '<limit upper="far"/></joint>',
+            "joint 'a': limit: upper='far' is no number",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_joint_is_said(joint: str, message: str) -> None:
+    text = f'<robot name="r"><link name="b"/><link name="c"/>{joint}</robot>'
+    with pytest.raises(LoadError, match=message):
+        _ = RobotDescription.of_text(text).facts

@@ -362,8 +362,11 @@ def test_a_height_field_is_where_mujoco_has_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("<mujoco><worldbody><geom size='-1'/></worldbody></mujoco>", "MuJoCo: "),
-        ("<mujoco><asset><mesh file='gone.stl'/></asset></mujoco>", "MuJoCo: .*gone.stl"),
+        ("<mujoco><worldbody><geom size='-1'/></worldbody></mujoco>", "MuJoCo cannot read it: "),
+        (
+            "<mujoco><asset><mesh file='gone.stl'/></asset></mujoco>",
+            "MuJoCo cannot read it: .*gone.stl",
+        ),
         ("<robot name='r'/>", "is a robot, which Robot.from_urdf reads, and no scene"),
         ("<scene/>", "expected <mujoco> or <sdf>, got <scene>"),
         ("<mujoco>", "not XML"),

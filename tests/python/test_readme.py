@@ -60,8 +60,8 @@ def test_the_readme_is_read_in_minutes() -> None:
 def test_the_python_examples_run_and_write_what_they_say(examples: Path) -> None:
     pages = [named(page) for page in PAGES if blocks(page, "python")]
     solving = ["getting_started", "solve", "goals", "paths", "obstacles", "humanoid", "your_robot"]
-    assert pages == ["README", *solving, "diagnose", "watch"]
-    assert sum(len(blocks(page, "python")) for page in PAGES) == 57
+    assert pages == ["README", *solving, "diagnose", "robot_logs", "watch"]
+    assert sum(len(blocks(page, "python")) for page in PAGES) == 62
     for name in (
         "first.png",
         "arm.urdf",

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.logs import KINDS
+from pdoik.recordings import KINDS
 from pdoik.sim2real.study.read_study import load_study
 from studies import JOINTS, MJCF, URDF, columns, log, write_study
 

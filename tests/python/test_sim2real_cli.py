@@ -98,7 +98,7 @@ def test_other_names_and_kinds_predict_the_same_and_are_told_of(
     done = run("predict", report / "model.json", tmp_path / "a.npz", "--out", tmp_path / "a.csv")
     assert done.exit_code == 0, done.output
     assert "a.npz: column actual_q[0] read as q.base" in done.stderr
-    assert "by the order of the study's joints" in done.stderr
+    assert "by the order of the joints that were named" in done.stderr
     (tmp_path / "b.csv").write_text(
         "\n".join(
             ",".join(map(str, row))

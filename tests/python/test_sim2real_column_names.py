@@ -10,10 +10,8 @@ import pandas as pd
 import pytest
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.logs import Column
-from pdoik.sim2real.study.names.columns_key import columns_key
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.names.settle import naming_notes, settle
+from pdoik.recordings import Column
+from pdoik.recordings.names import Known, columns_key, naming_notes, settle
 from pdoik.sim2real.study.read_study import load_study
 from studies import JOINTS, log, motion, speed, write_study
 
@@ -135,18 +133,18 @@ def test_an_order_is_said_in_a_note() -> None:
     found, _ = settle("a.csv", columns, Known(joints=UR))
     (note,) = naming_notes(found)
     assert note.startswith("column actual_q_0 read as q.shoulder_pan_joint, ")
-    assert note.endswith(", by the order of the study's joints")
+    assert note.endswith(", by the order of the joints that were named")
 
 
 def test_numbers_that_do_not_count_the_joints_are_not_guessed() -> None:
     four = [Column(name=f"q_{k}") for k in range(4)]
     found, notes = settle("a.csv", four, Known(joints=UR))
     assert not found
-    assert "it has 4 numbers, the study 3 joints" in notes[0]
+    assert "it has 4 numbers for 3 joints" in notes[0]
     assert "columns: {q." in notes[0]
     found, notes = settle("a.csv", four, Known(others=UR))
     assert not found
-    assert "give 'joints:' in the study, in their order" in notes[0]
+    assert "give 'joints:', in their order" in notes[0]
     assert not read_as("q_0", "q_2", "q_3", joints=UR)
 
 

@@ -16,6 +16,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik import LoadError
+from pdoik.recordings import Recording
 from pdoik.sim2real import (
     ControllerEstimate,
     Diagnosis,
@@ -30,7 +31,6 @@ from pdoik.sim2real.controllers.estimate import joint_law
 from pdoik.sim2real.controllers.feeds import Feeds
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.study.controller import Controller, ToldController
-from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.study.study import Study
 from pdoik.sim2real.thresholds.controllers import ControllerThresholds
 from sim2real_controlled import Cascade, Law, Pid, Table, run, swing

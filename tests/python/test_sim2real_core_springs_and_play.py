@@ -8,11 +8,11 @@ from scipy.integrate import solve_ivp
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
+from pdoik.recordings import FloatArray
 from pdoik.sim2real.effects.backlash import swing
 from pdoik.sim2real.effects.joint_elasticity import given_way
 from pdoik.sim2real.motion.motion import Motion
 from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.study.recording import FloatArray
 from sim2real_columns import added, tip_change, tips, torque
 from sim2real_motions import INSIDE, PERIOD
 

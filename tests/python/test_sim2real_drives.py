@@ -15,6 +15,7 @@ pytest.importorskip("numba", reason="pip install 'pdoik[bench]'")
 
 from bench.sim2real.machines import build
 from bench.sim2real.machines.plan import WorldSpec
+from pdoik.recordings import Recording
 from pdoik.sim2real import Diagnosis, Finding, diagnose, load_study
 from pdoik.sim2real.controllers.cut_off import CutOff, cut_off, saved_by
 from pdoik.sim2real.controllers.feeds import Feeds
@@ -22,7 +23,6 @@ from pdoik.sim2real.controllers.lateness import Late, later_ones
 from pdoik.sim2real.controllers.open_law import Strip, left_by, strips_of
 from pdoik.sim2real.controllers.rows import pieces_of
 from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.thresholds.controllers import ControllerThresholds
 from sim2real_controlled import Cascade, Law, Pid, run
 

@@ -10,9 +10,9 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
+from pdoik.recordings import Recording
 from pdoik.sim2real import Thresholds
 from pdoik.sim2real.study.excerpts import excerpted
-from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.study.study import Study
 from sim2real_channels import study as small_arm
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdoik.sim2real.study.glitches import glitches
+from pdoik.recordings import glitches
 from pdoik.sim2real.study.read_study import load_study
 from studies import log, motion, write_study
 

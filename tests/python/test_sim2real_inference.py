@@ -14,6 +14,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
+from pdoik.recordings import FloatArray, Recording
 from pdoik.sim2real import Diagnosis, Estimate, Finding, Study, diagnose, load_study
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.effects.external_contact import ExternalContact
@@ -31,7 +32,6 @@ from pdoik.sim2real.regression.background import background
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from pdoik.sim2real.regression.refine import refined
 from pdoik.sim2real.regression.trusted_bodies import DAYS
-from pdoik.sim2real.study.recording import FloatArray, Recording
 from pdoik.sim2real.study.study import Trust
 from pdoik.sim2real.thresholds import Thresholds
 from sim2real_channels import study as small_study

@@ -15,8 +15,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pdoik.recordings import on_grid, uniform_grid
 from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.resample import on_grid, uniform_grid
 from studies import JOINTS, MJCF, URDF, columns, log, motion, speed, write_study
 
 BESIDE = Path(__file__).resolve().parents[3] / "shared"

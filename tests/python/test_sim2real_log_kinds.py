@@ -12,12 +12,8 @@ import numpy as np
 import pytest
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.key import Key, Keys
-from pdoik.sim2real.study.logs import KINDS, Column, Log, Part, register
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.read_log import read_log
+from pdoik.recordings import KINDS, Column, Key, Keys, Log, read_log, register
 from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.units import Units
 from studies import JOINTS, log, motion, write_study
 
 ROW = struct.Struct("<3d")
@@ -142,7 +138,7 @@ def test_a_damaged_log_is_read_or_refused_in_a_sentence(tmp_path: Path, suffix: 
     def read(content: bytes) -> str:
         damaged.write_bytes(content)
         try:
-            read_log(damaged, damaged.name, Known(joints=JOINTS), Part(), Units(), {})
+            read_log(damaged, joints=JOINTS)
         except LoadError as error:
             return str(error)
         return ""

@@ -17,14 +17,12 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from scipy.io import savemat
 
 from command_line import misuse, run
+from pdoik.descriptions import robot_facts
 from pdoik.errors import LoadError
+from pdoik.recordings import Column, FloatArray
+from pdoik.recordings.logs import CsvForm
+from pdoik.recordings.names import Known, settle
 from pdoik.sim2real import Study, draft_study, load_study
-from pdoik.sim2real.study.logs import Column
-from pdoik.sim2real.study.logs.csv_form import CsvForm
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.names.settle import settle
-from pdoik.sim2real.study.recording import FloatArray
-from pdoik.sim2real.study.robot_facts import robot_facts
 from sim2real_motions import wave, write_arm
 
 STEP = 0.01
@@ -304,7 +302,7 @@ def side_by_side(path: Path) -> None:
 def test_of_environments_side_by_side_one_is_asked_for(tmp_path: Path, arm: Path) -> None:
     log, study = tmp_path / "log.npz", tmp_path / "study.yaml"
     side_by_side(log)
-    with pytest.raises(LoadError, match="it is of 2 environments; 'env: 0' in the recording's"):
+    with pytest.raises(LoadError, match="it is of 2 environments; 'env: 0' says which"):
         draft_study(arm, [log])
     done = run("study", "new", arm, log, "--entry", "env=0", "--out", study)
     assert done.exit_code == 0, done.output

@@ -14,6 +14,7 @@ mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
 import pdoik  # noqa: E402
 from pdoik.errors import LoadError  # noqa: E402
+from pdoik.recordings import Recording  # noqa: E402
 from pdoik.sim2real.effects import CATALOGUE  # noqa: E402
 from pdoik.sim2real.export.export import export_mjcf, export_urdf, write_exports  # noqa: E402
 from pdoik.sim2real.findings import Estimate, Finding  # noqa: E402
@@ -21,7 +22,6 @@ from pdoik.sim2real.model.model import Model, load_model, replay, robot_text  # 
 from pdoik.sim2real.model.predict import predict  # noqa: E402
 from pdoik.sim2real.simulation import Stepper  # noqa: E402
 from pdoik.sim2real.simulation.inertial import Inertial  # noqa: E402
-from pdoik.sim2real.study.recording import Recording  # noqa: E402
 from pdoik.sim2real.study.study import Study  # noqa: E402
 from sim2real_robots import MJCF, PENDULUM, arm_urdf, commands, pd  # noqa: E402
 

@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 
 from pdoik.errors import LoadError
+from pdoik.recordings import Recording
 from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.recording import Recording
 from pdoik.sim2real.study.study import Study
 from studies import write_study
 

@@ -14,12 +14,12 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.cli import app
+from pdoik.recordings import FloatArray
 from pdoik.sim2real import diagnose, register
 from pdoik.sim2real.effects import CATALOGUE, Effect, Parameter, Site, parts_of_finding
 from pdoik.sim2real.motion.motion import Motion
 from pdoik.sim2real.motion.place import Columns, Place, Shape
 from pdoik.sim2real.simulation.parts import JointTorque, Part
-from pdoik.sim2real.study.recording import FloatArray
 from sim2real_channels import study
 
 

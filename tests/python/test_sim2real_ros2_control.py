@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from pdoik.errors import LoadError
+from pdoik.recordings import Recording
 from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.recording import Recording
 from studies import JOINTS, motion, speed, write_study
 
 pytest.importorskip("rosbags")

@@ -12,10 +12,10 @@ mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 pinocchio = pytest.importorskip("pinocchio", reason="needs the Python package pin")
 
 import pdoik  # noqa: E402
+from pdoik.recordings import Recording  # noqa: E402
 from pdoik.sim2real.effects.simulated import parts_of  # noqa: E402
 from pdoik.sim2real.simulation import Simulator, Stepper  # noqa: E402
 from pdoik.sim2real.simulation.control import GravityModel  # noqa: E402
-from pdoik.sim2real.study.recording import Recording  # noqa: E402
 from sim2real_robots import commands, pd  # noqa: E402
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"

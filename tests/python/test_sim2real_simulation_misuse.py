@@ -50,7 +50,7 @@ def test_names_that_are_not_there_are_answered_with_the_nearest() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("<robot", "not XML"),
+        ("<robot", "no XML"),
         ("<sdf/>", "expected a URDF or an MJCF"),
         ("<mujoco><worldbody><bod/></worldbody></mujoco>", "bod"),
         (PENDULUM.replace(f'mass value="{MASS}"', 'mass value="two"'), "inertial of link link1"),

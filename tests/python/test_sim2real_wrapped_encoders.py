@@ -11,13 +11,15 @@ import pytest
 
 from command_line import run
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.columns import Table, joints_of
-from pdoik.sim2real.study.logs import Part
-from pdoik.sim2real.study.mend_jumps import with_jumps_mended
-from pdoik.sim2real.study.names.known import Known
-from pdoik.sim2real.study.read_log import read_log
+from pdoik.recordings import (
+    Table,
+    Units,
+    joints_of,
+    read_log,
+    units_from,
+    with_jumps_mended,
+)
 from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.units import Units, units_from
 from studies import log, write_study
 
 BESIDE = Path(__file__).resolve().parents[3] / "shared"
@@ -282,8 +284,7 @@ def test_real_recordings_that_do_not_wrap_stay_as_they_were(
     folder: str, speed: bool, every: int
 ) -> None:
     for path in sorted(shared(folder).glob("*.csv")):
-        part = Part(every=every)
-        read = read_log(path, path.name, Known(joints=None), part, Units(), {})
+        read = read_log(path, every=every, numbered=False).table
         joints = joints_of(read.columns)
         columns = {k: v for k, v in read.columns.items() if speed or not k.startswith("dq.")}
         again = (np.diff(read.time) > 0.0).nonzero()[0] + 1

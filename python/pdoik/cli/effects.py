@@ -50,8 +50,8 @@ def show(effect: Annotated[str, typer.Argument(help="Its id, as `list` has it.")
     [bold]Example[/]: pdoik effects show backlash
     """
     with asks_for("sim2real"):
+        from pdoik._nearest import nearest
         from pdoik.sim2real.effects import CATALOGUE
-        from pdoik.sim2real.study.columns import nearest
     if effect not in CATALOGUE:
         fail(f"no effect {effect!r}{nearest(effect, CATALOGUE)}")
     for line in _facts(CATALOGUE[effect]):

@@ -15,9 +15,7 @@ from pdoik._files import write_whole
 from .messages import fail, tell
 
 if TYPE_CHECKING:
-    from pdoik.sim2real.study.columns import Table
-    from pdoik.sim2real.study.reading import Reading
-    from pdoik.sim2real.study.recording import Recording
+    from pdoik.recordings import Reading, Recording
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -53,7 +51,7 @@ def reading_of(columns: Path | None) -> Reading:
     Raises:
         LoadError: The study is none.
     """
-    from pdoik.sim2real.study.reading import Reading
+    from pdoik.recordings import Reading
     from pdoik.sim2real.study.reading_key import reading_of_study
 
     return Reading() if columns is None else reading_of_study(columns)
@@ -77,31 +75,30 @@ def read_motion(
     Raises:
         LoadError: Something in the file is not as expected.
     """
-    from pdoik.sim2real.study.check_recording import to_recording
-    from pdoik.sim2real.study.logs import Part
-    from pdoik.sim2real.study.names.check_names import check_names
-    from pdoik.sim2real.study.names.known import Known
-    from pdoik.sim2real.study.read_log import read_log
-    from pdoik.sim2real.study.reading import Reading
+    from pdoik.recordings import Reading, check_names, read_log
 
     reading = reading or Reading()
-    known = Known(joints=joints, key=reading.key, ignore=reading.ignore)
-    units = reading.said_units
-    table = read_log(path, path.name, known, Part(), units, {})
-    check_names(table, joints, reading.ignore)
-    for said in (reading.note, *table.readings):
+    log = read_log(
+        path,
+        joints=joints,
+        columns=reading.key,
+        units=reading.said_units,
+        ignore=reading.ignore,
+    )
+    check_names(log.table, joints, reading.ignore)
+    for said in (reading.note, *log.table.readings):
         if said:
             tell(f"{path.name}: {said}")
     if commands:
-        _with_positions(table, joints)
-    return to_recording(table, joints, "validate", units.with_written(table.units))
+        _with_positions(log.table.columns, joints)
+    return log.recording("validate")
 
 
-def _with_positions(table: Table, joints: tuple[str, ...]) -> None:
+def _with_positions(columns: dict[str, FloatArray], joints: tuple[str, ...]) -> None:
     for joint in joints:
-        desired = table.columns.get(f"q_des.{joint}")
+        desired = columns.get(f"q_des.{joint}")
         if desired is not None:
-            table.columns.setdefault(f"q.{joint}", desired)
+            columns.setdefault(f"q.{joint}", desired)
 
 
 def write_motion(

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from pdoik._extras import asks_for
-from pdoik.descriptions.text import shipped_name
+from pdoik.descriptions import shipped_name
 
 from .fit_progress import fit_story
 from .messages import err, fail, misuse_fails, out, tell, warn

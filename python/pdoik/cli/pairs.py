@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 import pdoik
-from pdoik.descriptions.text import shipped_name
+from pdoik.descriptions import shipped_name
 
 from .messages import err, fail, misuse_fails, out
 from .robots import (

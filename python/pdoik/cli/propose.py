@@ -11,7 +11,7 @@ from rich.markup import escape
 
 import pdoik
 from pdoik._extras import asks_for
-from pdoik.descriptions.text import shipped_name
+from pdoik.descriptions import shipped_name
 
 from .messages import err, fail, misuse_fails, out, warn
 from .obstacles import check_files, load_obstacles, refuse_attached

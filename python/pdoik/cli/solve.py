@@ -10,7 +10,7 @@ import numpy.typing as npt
 import typer
 
 import pdoik
-from pdoik.descriptions.text import shipped_name
+from pdoik.descriptions import shipped_name
 
 from .all_report import print_all
 from .facts import all_facts, facts

@@ -13,7 +13,7 @@ from rich.markup import escape
 from pdoik._addresses import at_home
 from pdoik._extras import asks_for
 from pdoik._files import write_whole
-from pdoik.descriptions.text import Given
+from pdoik.descriptions import RobotDescription
 
 from .messages import NOT_SOLVED, err, fail, misuse_fails, out
 from .robots import PackageDirs, RobotArgument, XacroArguments, package_places, xacro_arguments
@@ -100,7 +100,9 @@ def _description(
     force: bool,
 ) -> Path:
     """The robot's own file, or its URDF in a folder where it is named or a xacro file."""
-    given = Given.of(robot, packages=package_places(packages), arguments=xacro_arguments(arguments))
+    given = RobotDescription.of(
+        robot, packages=package_places(packages), arguments=xacro_arguments(arguments)
+    )
     own = given.place
     if given.kind == "mjcf" or (given.kind == "urdf" and own == at_home(robot).resolve()):
         return own

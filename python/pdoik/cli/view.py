@@ -12,7 +12,7 @@ import typer
 
 import pdoik
 from pdoik._extras import asks_for
-from pdoik.descriptions.text import shipped_name, urdf_file
+from pdoik.descriptions import shipped_name, urdf_file
 
 from .interrupts import end_now, noted
 from .messages import misuse_fails, out

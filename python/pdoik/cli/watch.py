@@ -21,8 +21,8 @@ from .messages import fail, misuse_fails, out, warn
 from .motions import Columns, read_motion, reading_of
 
 if TYPE_CHECKING:
+    from pdoik.recordings import Reading
     from pdoik.sim2real import Alarm, Watch
-    from pdoik.sim2real.study.reading import Reading
     from pdoik.sim2real.watch.tail import Piece
 
     Pieces = Iterator[Piece]

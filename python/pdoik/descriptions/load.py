@@ -14,7 +14,7 @@ from .._core import Occupancy, Robot, load_srdf_pairs
 from .._ways import read_urdf
 from ..errors import LoadError
 from .root_joint import standing
-from .text import Given, shipped_name
+from .text import RobotDescription, shipped_name
 
 Placement = npt.ArrayLike | None
 FloatingBase = tuple[npt.ArrayLike, npt.ArrayLike] | None
@@ -58,12 +58,12 @@ def load_robot(
         if srdf is not None:
             loaded.ignored_pairs = load_srdf_pairs(srdf, loaded)
         return loaded
-    given = Given.of(robot, arguments=arguments, packages=packages)
+    given = RobotDescription.of(robot, arguments=arguments, packages=packages)
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
 
 def load_given(
-    given: Given,
+    given: RobotDescription,
     base_link: str | None,
     tip_link: TipLinks,
     T_world_base: Placement,

@@ -37,20 +37,24 @@ def urdf_of_mjcf(path: Path, meshes: Path | None = None) -> str:
     return _Writer(model_of_mjcf(path), path, meshes).text()
 
 
-def model_of_mjcf(path: Path) -> Any:
-    """MuJoCo's model of a file.
+def model_of_mjcf(source: Path | str) -> Any:
+    """MuJoCo's model of a file, or of XML text.
 
     Raises:
         LoadError: MuJoCo is not installed or refuses the file.
     """
+    name = source if isinstance(source, Path) else "the text"
     try:
         import mujoco
     except ImportError as error:
-        raise LoadError(f"{path} is MJCF: pip install mujoco") from error
+        raise LoadError(f"{name} is MJCF: pip install mujoco") from error
     try:
-        return mujoco.MjModel.from_xml_path(str(path))
+        if isinstance(source, Path):
+            return mujoco.MjModel.from_xml_path(str(source))
+        return mujoco.MjModel.from_xml_string(source)
     except (ValueError, RuntimeError) as error:
-        raise LoadError(f"{path}: MuJoCo: {' '.join(str(error).split())}") from error
+        said = " ".join(str(error).split())
+        raise LoadError(f"{name}: MuJoCo cannot read it: {said}") from error
 
 
 class _Writer:

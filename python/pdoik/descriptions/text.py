@@ -1,4 +1,4 @@
-"""The URDF of whatever a robot is given as."""
+"""Whatever a robot is given as: its URDF, its joints and links, and its models."""
 
 from __future__ import annotations
 
@@ -6,17 +6,24 @@ import difflib
 import hashlib
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
+from xml.etree.ElementTree import Element
 
 from .._addresses import Packages, Places, at_home, is_file, is_folder, with_paths
 from .._cache import cache_folder
 from .._core import Robot
 from .._files import write_whole
+from .._nearest import nearest
 from ..errors import LoadError
 from .installed import description_of, names
+from .xml import FloatArray, tree_of
+
+if TYPE_CHECKING:
+    from .facts import RobotFacts
 
 Kind = Literal["urdf", "xacro", "mjcf"]
 
@@ -47,8 +54,29 @@ def urdf_text(
     Raises:
         LoadError: There is no such file or description, or it cannot be read.
     """
-    given = Given.of(robot, arguments=arguments, packages=packages)
+    given = RobotDescription.of(robot, arguments=arguments, packages=packages)
     return given.urdf(None if meshes is None else Path(meshes))
+
+
+def robot_file(path: Path) -> RobotDescription:
+    """The description in a URDF, xacro or MJCF file; no names of installed ones.
+
+    Raises:
+        LoadError: No such file; the message says which is nearest.
+    """
+    if not path.is_file():
+        near = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
+        raise LoadError(f"robot: no such file: {path}{nearest(path.name, near)}")
+    return RobotDescription.of_file(path)
+
+
+def robot_facts(path: Path) -> RobotFacts:
+    """Joints and links of such a file.
+
+    Raises:
+        LoadError: No such file, no XML, or no robot.
+    """
+    return robot_file(path).facts
 
 
 def urdf_file(
@@ -62,7 +90,7 @@ def urdf_file(
     Raises:
         LoadError: As there.
     """
-    given = Given.of(robot, arguments=arguments, packages=packages)
+    given = RobotDescription.of(robot, arguments=arguments, packages=packages)
     if given.kind == "urdf" and given.path is not None:
         return given.path
     source = f"{given.place}\n{sorted(given.arguments.items())}\n{given.text}"
@@ -73,9 +101,9 @@ def urdf_file(
     return file
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Given:
-    """A robot's description as it was found.
+@dataclass(frozen=True, kw_only=True)
+class RobotDescription:
+    """A robot's description as it was found: all that reads a robot asks it.
 
     Attributes:
         path: Its file; None for text.
@@ -98,7 +126,7 @@ class Given:
         *,
         arguments: Mapping[str, str] | None = None,
         packages: Packages = (),
-    ) -> Given:
+    ) -> RobotDescription:
         """Of a file or a name.
 
         Raises:
@@ -121,7 +149,7 @@ class Given:
         *,
         arguments: Mapping[str, str] | None = None,
         packages: Packages = (),
-    ) -> Given:
+    ) -> RobotDescription:
         """Of a file.
 
         Raises:
@@ -150,7 +178,7 @@ class Given:
         *,
         arguments: Mapping[str, str] | None = None,
         packages: Packages = (),
-    ) -> Given:
+    ) -> RobotDescription:
         """Of a shipped robot or an installed description.
 
         Raises:
@@ -169,8 +197,8 @@ class Given:
         )
 
     @classmethod
-    def of_text(cls, xml: str, *, packages: Packages = ()) -> Given:
-        """Of a URDF's text."""
+    def of_text(cls, xml: str, *, packages: Packages = ()) -> RobotDescription:
+        """Of the text of a URDF or an MJCF."""
         return cls(path=None, text=xml, kind=_kind(None, xml), packages=Places.of(packages))
 
     @property
@@ -198,6 +226,95 @@ class Given:
 
             return with_paths(expanded(self.path, self.arguments, self.packages), self.packages)
         return with_paths(self.text, self.packages)
+
+    @cached_property
+    def tree(self) -> Element:
+        """Its XML: `<robot>` of a URDF or of what a xacro file stands for, `<mujoco>` of an MJCF.
+
+        Raises:
+            LoadError: It is no XML, or neither of the two.
+        """
+        of_file = self.path if self.kind != "xacro" else None
+        root = tree_of(of_file or (self.text if self.kind == "mjcf" else self.urdf()))
+        if root.tag not in ("robot", "mujoco"):
+            raise LoadError(
+                f"{self.place.name}: expected a URDF (<robot>) or MJCF (<mujoco>), got <{root.tag}>"
+            )
+        return root
+
+    @cached_property
+    def facts(self) -> RobotFacts:
+        """Joints and links.
+
+        Raises:
+            LoadError: It cannot be read, or a number in it is none.
+        """
+        from .facts import facts_of_mjcf, facts_of_urdf
+
+        if self.tree.tag == "mujoco":
+            return facts_of_mjcf(self.path or self.place, self.mujoco)
+        return facts_of_urdf(self.path or self.place, self.tree)
+
+    @cached_property
+    def mujoco(self) -> Any:
+        """MuJoCo's model of an MJCF, shared by all who ask: it is not to be changed.
+
+        Raises:
+            LoadError: MuJoCo is not installed or refuses it.
+        """
+        from .mjcf import model_of_mjcf
+
+        return model_of_mjcf(self.text if self.path is None else self.path)
+
+    def pinocchio(self, *, floats: bool = False) -> Any:
+        """Pinocchio's model, a new one.
+
+        Args:
+            floats: Joint 1 is then the base's six degrees of freedom: the MJCF's own free joint, or
+                one that is put in front of a URDF.
+
+        Raises:
+            LoadError: Pinocchio refuses it, or it is the text of an MJCF, or one that cannot float.
+        """
+        import pinocchio as pin
+
+        is_mjcf = self.tree.tag == "mujoco"
+        if self.path is not None and self.kind != "xacro":
+            read = pin.buildModelFromMJCF if is_mjcf else pin.buildModelFromUrdf
+            source = str(self.path)
+        elif is_mjcf:
+            raise LoadError("Pinocchio reads an MJCF from a file, and this is text")
+        else:
+            read, source = pin.buildModelFromXML, self.urdf()
+        try:
+            floating = floats and not is_mjcf
+            model = read(source, pin.JointModelFreeFlyer()) if floating else read(source)
+        except (ValueError, RuntimeError) as error:
+            raise LoadError(f"{self.place.name}: Pinocchio cannot read it: {error}") from error
+        if floats and (model.njoints < 2 or model.joints[1].nv != 6):
+            raise LoadError(
+                f"{self.place.name}: its base floats; expected a <freejoint/> at its root"
+            )
+        return model
+
+    def gravity_torque(self, joints: Sequence[str], q: FloatArray) -> FloatArray:
+        """The torque that holds these joints still, by Pinocchio, or MuJoCo of an MJCF.
+
+        Args:
+            joints: Columns of q; the others stay where the description has them.
+            q: (T, n) [rad].
+
+        Returns:
+            g(q), (T, n) [N m].
+
+        Raises:
+            LoadError: It cannot be read.
+        """
+        from .gravity import gravity_by_mujoco, gravity_by_pinocchio
+
+        if self.tree.tag == "mujoco":
+            return gravity_by_mujoco(self.mujoco, joints, q)
+        return gravity_by_pinocchio(self.pinocchio(), joints, q)
 
 
 def shipped_name(robot: str | os.PathLike[str]) -> str | None:

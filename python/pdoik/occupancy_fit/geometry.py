@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from string import whitespace
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import trimesh
-from scipy.spatial.transform import Rotation
 
 from .._addresses import Packages, Places
 from .._meshes import read_triangles
+from ..descriptions import attribute, numbers, pose_of, tree_of, urdf_joints, xml_text
 from ..errors import LoadError
 from .hulls import FloatArray, Point
 
@@ -49,10 +48,8 @@ def load_geometry(
         LoadError: The description, a mesh or a number in them cannot be read.
         ValueError: `base_link` or `tip_link` is not in the description or not on one chain.
     """
-    root, file = _parse(urdf)
-    places = Places.of(packages, file)
-    joints = [_read_joint(element) for element in root.findall("joint")]
-    links = {_attribute(element, "name"): element for element in root.findall("link")}
+    links, joints = _parts(urdf)
+    places = Places.of(packages, Path(urdf) if xml_text(urdf) is None else None)
     keep = _chain(links, joints, base_link, tip_link)
     _find_all_meshes([element for name, element in links.items() if name in keep], places)
     return [
@@ -70,9 +67,7 @@ def links_left_out(
     urdf: str | Path, base_link: str | None = None, tip_link: str | None = None
 ) -> tuple[str, ...]:
     """The links with collision geometry that `load_geometry` leaves out, in the file's order."""
-    root, _ = _parse(urdf)
-    joints = [_read_joint(element) for element in root.findall("joint")]
-    links = {_attribute(element, "name"): element for element in root.findall("link")}
+    links, joints = _parts(urdf)
     keep = _chain(links, joints, base_link, tip_link)
     return tuple(
         name
@@ -81,23 +76,18 @@ def links_left_out(
     )
 
 
-def _parse(urdf: str | Path) -> tuple[ElementTree.Element, Path | None]:
-    try:
-        if isinstance(urdf, str):
-            text = urdf.lstrip("\ufeff" + whitespace)  # a byte order mark may come first
-            if text.startswith("<"):
-                return ElementTree.fromstring(text), None
-        return ElementTree.parse(urdf).getroot(), Path(urdf)
-    except (OSError, ElementTree.ParseError) as error:
-        raise LoadError(f"cannot read robot description {str(urdf)[:80]!r}: {error}") from error
+def _parts(
+    urdf: str | Path,
+) -> tuple[dict[str, Element], list[tuple[str, str, Point]]]:
+    """Links by name, and of each joint parent, child and origin, in the file's order."""
+    root = tree_of(urdf)
+    joints = [(each.parent, each.child, _point(each.T_parent_child)) for each in urdf_joints(root)]
+    return {attribute(each, "name"): each for each in root.findall("link")}, joints
 
 
-def _read_joint(element: ElementTree.Element) -> tuple[str, str, Point]:
-    parent, child = element.find("parent"), element.find("child")
-    if parent is None or child is None:
-        raise LoadError(f"joint {element.get('name')!r} lacks a parent or a child")
-    x, y, z = _pose(element)[:3, 3]
-    return _attribute(parent, "link"), _attribute(child, "link"), (float(x), float(y), float(z))
+def _point(T: FloatArray) -> Point:
+    x, y, z = T[:3, 3].tolist()
+    return (x, y, z)
 
 
 def _chain(
@@ -127,7 +117,7 @@ def _chain(
     return {link for link in chain if base_link in path_to_root(link)}
 
 
-def _link_triangles(link: ElementTree.Element, places: Places) -> FloatArray:
+def _link_triangles(link: Element, places: Places) -> FloatArray:
     pieces = [np.empty((0, 3, 3))]
     for collision in link.findall("collision"):
         where = f"link {link.get('name')!r}"
@@ -135,39 +125,39 @@ def _link_triangles(link: ElementTree.Element, places: Places) -> FloatArray:
         if shape is None:
             raise LoadError(f"{where} has a collision element without geometry")
         triangles = _shape_triangles(shape, where, places)
-        T = _pose(collision)
+        T = pose_of(collision)
         pieces.append(triangles @ T[:3, :3].T + T[:3, 3])
     return np.concatenate(pieces)
 
 
-def _shape_triangles(shape: ElementTree.Element, where: str, places: Places) -> FloatArray:
+def _shape_triangles(shape: Element, where: str, places: Places) -> FloatArray:
     """Triangles of a polyhedron that contains the shape: round ones are circumscribed."""
     if shape.tag == "box":
-        mesh = trimesh.creation.box(extents=_numbers(shape, "size", 3, where))
+        mesh = trimesh.creation.box(extents=numbers(shape, "size", 3, where, positive=True))
     elif shape.tag == "cylinder":
-        (radius,) = _numbers(shape, "radius", 1, where)
-        (length,) = _numbers(shape, "length", 1, where)
+        (radius,) = numbers(shape, "radius", 1, where, positive=True)
+        (length,) = numbers(shape, "length", 1, where, positive=True)
         outer = radius / np.cos(np.pi / _SIDES)
         mesh = trimesh.creation.cylinder(radius=outer, height=length, sections=_SIDES)
     elif shape.tag == "sphere":
-        (radius,) = _numbers(shape, "radius", 1, where)
+        (radius,) = numbers(shape, "radius", 1, where, positive=True)
         mesh = trimesh.creation.icosphere(subdivisions=_ICOSPHERE_SUBDIVISIONS, radius=1.0)
         plane_distances = np.einsum("ij,ij->i", mesh.face_normals, mesh.triangles[:, 0])
         mesh.apply_scale(radius / plane_distances.min())
     elif shape.tag == "mesh":
-        vertices, faces = read_triangles(_find_mesh(_attribute(shape, "filename"), where, places))
-        return vertices[faces] * _numbers(shape, "scale", 3, where, default="1 1 1", positive=False)
+        vertices, faces = read_triangles(_find_mesh(attribute(shape, "filename"), where, places))
+        return vertices[faces] * numbers(shape, "scale", 3, where, default="1 1 1")
     else:
         raise LoadError(f"{where}: unknown collision shape <{shape.tag}>")
     return np.asarray(mesh.triangles, dtype=np.float64)
 
 
-def _find_all_meshes(links: list[ElementTree.Element], places: Places) -> None:
+def _find_all_meshes(links: list[Element], places: Places) -> None:
     """Name all meshes that are missing, not the first alone."""
     missing: dict[str, str] = {}  # by address, each once
     for link in links:
         for mesh in link.findall("collision/geometry/mesh"):
-            address = _attribute(mesh, "filename")
+            address = attribute(mesh, "filename")
             try:
                 _find_mesh(address, f"link {link.get('name')!r}", places)
             except LoadError as error:
@@ -183,43 +173,3 @@ def _find_mesh(address: str, where: str, places: Places) -> Path:
         return places.find(address)
     except LoadError as error:
         raise LoadError(f"{where}: mesh {error}") from error
-
-
-def _attribute(element: ElementTree.Element, name: str) -> str:
-    value = element.get(name)
-    if value is None:
-        raise LoadError(f"<{element.tag}> lacks the attribute {name!r}")
-    return value
-
-
-def _numbers(
-    element: ElementTree.Element,
-    name: str,
-    count: int,
-    where: str,
-    *,
-    default: str | None = None,
-    positive: bool = True,
-) -> FloatArray:
-    text = _attribute(element, name) if default is None else element.get(name, default)
-    try:
-        values = np.array([float(word) for word in text.split()])
-    except ValueError:
-        values = np.array([np.nan])
-    valid = values.shape == (count,) and bool(np.isfinite(values).all())
-    if not valid or (positive and values.min() <= 0):
-        kind = "positive numbers" if positive else "numbers"
-        raise LoadError(f"{where}: <{element.tag}> {name}={text!r}, expected {count} {kind}")
-    return values
-
-
-def _pose(element: ElementTree.Element) -> FloatArray:
-    """The element's <origin> as a 4x4 transform: R = Rz(yaw) Ry(pitch) Rx(roll)."""
-    T = np.eye(4)
-    origin = element.find("origin")
-    if origin is not None:
-        where = f"<{element.tag} name={element.get('name')!r}>"
-        rpy = _numbers(origin, "rpy", 3, where, default="0 0 0", positive=False)
-        T[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
-        T[:3, 3] = _numbers(origin, "xyz", 3, where, default="0 0 0", positive=False)
-    return T

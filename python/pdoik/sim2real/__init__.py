@@ -14,6 +14,8 @@ order of the study's joints.
 from pdoik._extras import asks_for
 
 with asks_for("sim2real"):
+    from pdoik.recordings import Recording
+
     from .diagnose import UnanswerableError, diagnose, examine
     from .effects import CATALOGUE, register
     from .evidence import evidence_of, model_of, servo_model, write
@@ -38,7 +40,6 @@ with asks_for("sim2real"):
     from .simulation import SimulationError, Simulator, Stepper
     from .study.payload import Payload
     from .study.read_study import load_study
-    from .study.recording import Recording
     from .study.study import Controller, Setup, Study, Trust
     from .study_check import StudyCheck, check_study
     from .study_draft import Draft, draft_study

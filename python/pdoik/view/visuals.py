@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import numpy.typing as npt
 import trimesh
-from scipy.spatial.transform import Rotation
 from trimesh.visual.material import PBRMaterial
 
 from pdoik._addresses import Packages, Places
+from pdoik.descriptions import numbers, pose_of, tree_of
 from pdoik.errors import LoadError
 
 FloatArray = npt.NDArray[np.float64]
@@ -33,10 +33,7 @@ def load_visuals(urdf: Path, packages: Packages = ()) -> tuple[dict[str, bytes],
     Raises:
         LoadError: The URDF cannot be read.
     """
-    try:
-        root = ElementTree.parse(urdf).getroot()
-    except (OSError, ElementTree.ParseError) as error:
-        raise LoadError(f"{urdf}: not a robot description: {error}") from error
+    root = tree_of(urdf)
     places = Places.of(packages, urdf)
     colors = {
         str(material.get("name")): _rgba(material)
@@ -63,13 +60,13 @@ def load_visuals(urdf: Path, packages: Packages = ()) -> tuple[dict[str, bytes],
 
 
 def _glb(
-    elements: list[ElementTree.Element],
+    elements: list[Element],
     colors: dict[str, tuple[float, ...]],
     places: Places,
 ) -> bytes:
     scene = trimesh.Scene()
     for element in elements:
-        T_link_shape = _origin(element)
+        T_link_shape = pose_of(element)
         material = element.find("material")
         color = None
         if material is not None:
@@ -90,20 +87,22 @@ def painted(rgba: tuple[float, ...]) -> Any:
     return trimesh.visual.TextureVisuals(material=material)  # type: ignore[no-untyped-call]
 
 
-def _shape(element: ElementTree.Element, places: Places) -> list[trimesh.Trimesh]:
+def _shape(element: Element, places: Places) -> list[trimesh.Trimesh]:
     shape = element.find("geometry/*")
     if shape is None:
         raise LoadError("an element without geometry")
     if shape.tag == "box":
-        return [trimesh.creation.box(extents=_numbers(shape, "size"))]
+        return [trimesh.creation.box(extents=numbers(shape, "size", 3, "box"))]
     if shape.tag == "cylinder":
-        (radius,), (length,) = _numbers(shape, "radius"), _numbers(shape, "length")
+        (radius,) = numbers(shape, "radius", 1, "cylinder")
+        (length,) = numbers(shape, "length", 1, "cylinder")
         return [trimesh.creation.cylinder(radius=radius, height=length, sections=48)]
     if shape.tag == "sphere":
-        return [trimesh.creation.icosphere(subdivisions=3, radius=_numbers(shape, "radius")[0])]
+        (radius,) = numbers(shape, "radius", 1, "sphere")
+        return [trimesh.creation.icosphere(subdivisions=3, radius=radius)]
     if shape.tag != "mesh":
         raise LoadError(f"unknown shape <{shape.tag}>")
-    scale = np.diag([*_numbers(shape, "scale", "1 1 1"), 1.0])
+    scale = np.diag([*numbers(shape, "scale", 3, "mesh", default="1 1 1"), 1.0])
     loaded = trimesh.load_scene(places.find(str(shape.get("filename"))))
     meshes = [mesh for mesh in loaded.dump() if isinstance(mesh, trimesh.Trimesh)]
     return [mesh.apply_transform(scale) for mesh in meshes]
@@ -113,23 +112,7 @@ def _has_color(mesh: trimesh.Trimesh) -> bool:
     return mesh.visual is not None and bool(mesh.visual.defined)
 
 
-def _rgba(material: ElementTree.Element) -> tuple[float, ...]:
+def _rgba(material: Element) -> tuple[float, ...]:
     color = material.find("color")
     words = "" if color is None else color.get("rgba", "")
     return tuple(float(word) for word in words.split()) or _GREY
-
-
-def _origin(element: ElementTree.Element) -> FloatArray:
-    """The element's <origin> as T_link_shape, (4, 4)."""
-    origin = element.find("origin")
-    if origin is None:
-        return np.eye(4)
-    roll, pitch, yaw = _numbers(origin, "rpy", "0 0 0")
-    T = np.eye(4)
-    T[:3, :3] = Rotation.from_euler("xyz", [roll, pitch, yaw]).as_matrix()
-    T[:3, 3] = _numbers(origin, "xyz", "0 0 0")
-    return T
-
-
-def _numbers(element: ElementTree.Element, name: str, default: str = "") -> list[float]:
-    return [float(word) for word in element.get(name, default).split()]

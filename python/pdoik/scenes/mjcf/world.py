@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from pdoik.descriptions.mjcf import model_of_mjcf
+from pdoik.descriptions import model_of_mjcf
 from pdoik.errors import ObstacleWarning
 from pdoik.scenes.asked import Asked, World, check_names, some
 from pdoik.scenes.contacts import rules_of_pairs

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..motion.motion import thinned
 from ..motion.signals import derivative, zero_phase
-from ..study.recording import FloatArray, Recording
 from ..study.study import Controller
 from ..thresholds.channels import ChannelThresholds
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..effects.sensor_gain import SensorGain
 from ..effects.torque_saturation import kinds, top_of
 from ..effects.torque_speed_limit import falling_top_of
@@ -15,7 +17,6 @@ from ..motion.motion import Motion
 from ..motion.prepare import Prepared
 from ..motion.rigid_body import RigidBody
 from ..motion.signals import derivative, zero_phase
-from ..study.recording import FloatArray, Recording
 from ..study.study import Study
 from .factors_by_model import factors_by_model
 from .noisy_channels import noisy_channels

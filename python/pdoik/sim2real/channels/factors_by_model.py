@@ -13,6 +13,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..effects.gravity_direction import GravityDirection
 from ..motion.balances import Balances
@@ -21,7 +23,6 @@ from ..regression.background import BACKGROUND, background, friction_at, is_scal
 from ..regression.fit import Fit, Term, term_of
 from ..regression.trusted_bodies import TRUST
 from ..regression.wald import robust
-from ..study.recording import FloatArray
 
 _ANY = 1e4  # times the usual error: a scale may have any value
 _LOADED = 30.0  # times the usual error: a load may be some times the last link

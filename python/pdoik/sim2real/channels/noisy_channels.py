@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from pdoik.descriptions import robot_facts
+from pdoik.recordings import FloatArray
+
 from ..effects.sensor_noise import SensorNoise
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.prepare import Prepared
 from ..motion.signals import shifted
-from ..study.recording import FloatArray
-from ..study.robot_facts import robot_facts
 from ..study.study import Study
 from ..thresholds.channels import ChannelThresholds
 from .channel_noise import ChannelNoise

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdoik.errors import PdoikError
+from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
 from ..motion.place import Key
 from ..regression.fit import Term
-from ..study.recording import FloatArray
 from .rollouts import FAR, Arm, Rollout, Values
 
 _ROUNDS = 4

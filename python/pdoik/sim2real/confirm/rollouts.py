@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..effects import CATALOGUE
 from ..effects.simulated import not_simulated
 from ..findings import Estimate, Evidence
@@ -28,7 +30,6 @@ from ..regression.fit import Fit, Term
 from ..regression.improved_model import improved_model
 from ..regression.naming import finding_of
 from ..simulation import SimulationError
-from ..study.recording import FloatArray, Recording
 from ..study.split import part
 from ..study.study import Study
 

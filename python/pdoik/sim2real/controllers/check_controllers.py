@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..findings import ControllerEstimate, Finding
 from ..motion.motion import thinned
 from ..motion.prepare import Prepared, prepare
 from ..study.controller import Controller, ToldController, VoltageDrive
-from ..study.recording import FloatArray
 from ..study.study import Study
 from .drive_findings import Drives, drive_findings
 from .estimate import JointLaw, joint_law

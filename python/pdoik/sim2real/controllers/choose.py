@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from ..thresholds.controllers import ControllerThresholds
 from .law import Fitted, Form, columns, fitted, held_out, tuned
 from .rows import Piece

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
+from pdoik.recordings import FloatArray
+
 from ..regression.clusters import clustered
-from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
 from .law import solved
 from .open_law import Saved, Strip, explicit, followed_by_others

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdoik.descriptions import robot_facts
+from pdoik.recordings import Recording
+
 from ..effects import CATALOGUE
 from ..effects.actuator_lag import ActuatorLag
 from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
@@ -16,8 +19,6 @@ from ..findings import Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.ceiling import Ceiling, ceiling_of, pile_at
 from ..motion.prepare import Prepared
 from ..regression.naming import where_in_words
-from ..study.recording import Recording
-from ..study.robot_facts import robot_facts
 from . import cut_off, lateness
 from .cut_off import CutOff
 from .feeds import Feeds

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import Recording
+
 from ..findings import ControllerEstimate, Estimate
-from ..study.recording import Recording
 from ..thresholds.controllers import ControllerThresholds
 from .choose import Chosen, chosen, let_go, predicted
 from .feeds import Feeds

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..motion.rigid_body import RigidBody
 from ..motion.signals import derivative, zero_phase
-from ..study.recording import FloatArray, Recording
 
 _SMOOTH = 10.0  # of a command's rates, and of errors' [Hz]
 _RATE = 50.0  # at which the model is worked out; between, straight lines [Hz]

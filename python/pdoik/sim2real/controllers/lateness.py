@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from ..thresholds.controllers import ControllerThresholds
 from .open_law import Left, Saved, Strip, followed_by_others, left_by
 

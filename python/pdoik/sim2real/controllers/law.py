@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
+from pdoik.recordings import FloatArray
+
 from ..motion.signals import shifted
 from ..regression.clusters import clustered
-from ..study.recording import FloatArray
 from .rows import Piece
 
 Kind = Literal["pd", "pid", "cascade", "table"]

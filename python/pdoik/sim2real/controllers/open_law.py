@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from pdoik.recordings import FloatArray
+
 from ..motion.signals import dilated, lagged, shifted, zero_phase
-from ..study.recording import FloatArray
 from ..thresholds.controllers import ControllerThresholds
 from .law import solved
 from .rows import Piece

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..motion.signals import derivative, lagged, shifted
-from ..study.recording import FloatArray, Recording
 from ..thresholds.controllers import ControllerThresholds
 from .feeds import Feeds
 

@@ -21,13 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..findings import Estimate
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.signals import derivative, zero_phase
 from ..regression.clusters import clustered
 from ..study.controller import ToldController
-from ..study.recording import FloatArray, Recording
 from ..thresholds.controllers import ControllerThresholds
 
 _SUPPLY = 1.0  # a supply's slower changes are its own, quicker ones are the bridge's switching [Hz]

@@ -7,10 +7,10 @@ from itertools import islice
 import numpy as np
 
 from pdoik.errors import PdoikError
+from pdoik.recordings import FloatArray
 
 from ..motion.balances import Balances
 from ..motion.place import Key
-from ..study.recording import FloatArray
 from .outcome import Outcome, at_most, not_applicable
 from .trial import Trial
 

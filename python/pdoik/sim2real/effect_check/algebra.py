@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from pdoik.errors import PdoikError
+from pdoik.recordings import FloatArray
 
 from ..effects import Effect
 from ..motion.place import Shape
-from ..study.recording import FloatArray
 from .outcome import Outcome, at_most, none_of, not_applicable
 from .trial import Trial
 

@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording, Role
+
 from ..model.of_recording import held_part
 from ..motion.balances import Balances
 from ..motion.prepare import prepare
 from ..simulation import Simulator
 from ..simulation.parts import Part
 from ..study.payload import Payload
-from ..study.recording import FloatArray, Recording, Role
 from ..study.study import Controller, Setup, Study
 
 JOINTS = ("j1", "j2", "j3")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.balances import Balances
 from ..motion.place import Place, Shape
 from ..simulation.parts import JointTorque, StatefulLaw
-from ..study.recording import FloatArray
 from .outcome import Outcome, at_most, not_applicable
 from .trial import Trial
 

@@ -11,10 +11,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
 from ..effects import CATALOGUE, Effect
-from ..study.columns import nearest
 
 
 def load_effects(file_or_id: str) -> tuple[Effect, ...]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 
+from pdoik.recordings import Recording
+
 from ..effects import Effect, Example, parts_of_finding
 from ..effects.catalogue import known
 from ..findings import Estimate, Finding
@@ -12,7 +14,6 @@ from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Place, Shape
 from ..simulation.parts import Part
-from ..study.recording import Recording
 from .arm import JOINTS, RECORDING, Arm
 
 _JOINT = 1  # gravity loads it, and it moves others

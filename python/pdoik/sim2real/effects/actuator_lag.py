@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.signals import lagged
 from ..simulation.parts import DriveChange, Part
-from ..study.recording import FloatArray
 from .command_delay import (
     OF_POSITION,
     OF_TORQUE,

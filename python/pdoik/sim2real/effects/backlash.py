@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import GearPlay, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .joint_elasticity import deflected
 from .site import Site

@@ -9,11 +9,12 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.parts import Part
 from ..study.payload import Payload
-from ..study.recording import FloatArray, Recording
 from .site import Site
 
 Axis = Literal["speed", "q", "load"]

@@ -7,11 +7,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.rigid_body import STANDARD_GRAVITY
 from ..simulation.parts import GravityTilt, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.feet import FootMotion
 from ..motion.motion import Motion
 from ..motion.place import Balance, Columns, Place, Shape, tilt_key
-from ..study.recording import FloatArray
 from ..thresholds.feet import FeetThresholds
 from .effect import Effect, Parameter
 

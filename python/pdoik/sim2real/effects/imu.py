@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
-from ..study.recording import FloatArray
 from .effect import Effect, Parameter
 
 _AXES = "xyz"

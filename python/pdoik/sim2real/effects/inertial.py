@@ -7,12 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.inertial import Inertial
 from ..simulation.parts import LinkChange, Part
 from ..study.payload import Payload as KnownBody
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 

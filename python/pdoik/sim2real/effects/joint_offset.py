@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.turned import torque_turned
 from ..simulation.parts import Part, SensorChange
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter, on_torque_and_tip
 from .site import Site
 

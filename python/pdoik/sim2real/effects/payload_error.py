@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.inertial import Inertial
 from ..simulation.parts import LinkChange, Part
 from ..study.payload import Payload
-from ..study.recording import FloatArray
 from .effect import Example
 from .inertial import INERTIAS, LinkInertials
 from .site import Site

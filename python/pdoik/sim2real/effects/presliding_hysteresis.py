@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import Dahl
 from ..simulation.parts import JointTorque, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
-from ..study.recording import FloatArray, Recording
 from .effect import Effect, Example, Parameter
 
 

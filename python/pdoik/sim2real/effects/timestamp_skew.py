@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
 from ..motion.signals import shifted
 from ..simulation.parts import Part, SensorChange
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .sensor_gain import channel_of, through_law
 from .site import Site

@@ -5,9 +5,10 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
-from ..study.recording import FloatArray
 from .effect import Effect
 
 OF_BOTH, OF_REPORT, OF_DRIVE = 0.0, 1.0, 2.0

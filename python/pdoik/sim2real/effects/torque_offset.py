@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Place, Shape
 from ..simulation.parts import DriveChange, Part, SensorChange
-from ..study.recording import FloatArray
 from .effect import Example, Parameter
 from .site import Site
 from .torque_channel import OF_BOTH, TorqueChannel

@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.flat_top import FlatTop, flat_top
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..motion.signals import zero_phase
 from ..simulation.parts import DriveChange, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 

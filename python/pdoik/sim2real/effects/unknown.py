@@ -7,11 +7,12 @@ from typing import cast
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 from ..simulation.laws import Variable, curve, cycle, of_speed, smooth_sign
 from ..simulation.parts import HardFriction, JointTorque, Law, Part
-from ..study.recording import FloatArray
 from .effect import Effect, Example, Parameter
 from .site import Site
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
 from ..motion.prepare import Prepared, prepare
@@ -13,7 +15,6 @@ from ..regression.fit import Fit, Term, term_of
 from ..regression.prediction import Prediction
 from ..regression.trusted_bodies import trusted
 from ..report.data import CutoffInfluence
-from ..study.recording import FloatArray
 from .traces import shown_key
 
 if TYPE_CHECKING:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..model.model import Model
 from ..regression.improved_model import improved_model
-from ..study.recording import FloatArray
 from ..watch.of_study import with_floor
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray, Recording
 
 from ..report.data import Replay, ReportData, Traces
-from ..study.recording import FloatArray, Recording
 
 SCHEMA = "pdoik.motions/1"
 FILE_NAME = "motions.npz"

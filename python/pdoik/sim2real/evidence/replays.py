@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pdoik.errors import PdoikError
+from pdoik.recordings import Recording
 
 from ..model.model import Model
 from ..model.of_recording import simulator_in
 from ..report.data import Replay
 from ..simulation.leash import SHIFTED, TURNED
 from ..simulation.simulator import OPEN_LOOP_WINDOW, Drive
-from ..study.recording import Recording
 from ..study.split import part
 from ..study.study import Setup
 

@@ -15,6 +15,7 @@ import numpy as np
 from scipy import optimize
 
 from pdoik.errors import PdoikError
+from pdoik.recordings import FloatArray, Recording
 
 from ..effects import CATALOGUE
 from ..findings import Estimate, Finding
@@ -22,7 +23,6 @@ from ..infer.conclude import Examination
 from ..model.model import Model
 from ..simulation import Simulator
 from ..study.controller import Controller, VoltageDrive
-from ..study.recording import FloatArray, Recording
 from .gather import model_of
 
 _STEP = 2e-3  # of the simulation [s]

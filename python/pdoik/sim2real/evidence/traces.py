@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.balances import Balances, columns_of
 from ..motion.place import Key
 from ..motion.prepare import Prepared
@@ -13,7 +15,6 @@ from ..motion.signals import zero_phase
 from ..regression.fit import Weighted
 from ..regression.trusted_bodies import effect_of
 from ..report.data import Traces
-from ..study.recording import FloatArray
 
 if TYPE_CHECKING:
     from ..infer.conclude import Examination

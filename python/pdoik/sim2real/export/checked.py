@@ -7,9 +7,10 @@ from typing import Any
 import mujoco
 import pinocchio as pin
 
+from pdoik.descriptions import quiet_mujoco
+
 from ..model.model import Model
 from ..simulation.description import read_description
-from ..study.quiet_mujoco import quiet_mujoco
 from .export import export_mjcf, export_urdf
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pdoik._files import write_whole
+from pdoik.recordings import FloatArray
 
 from ..effects.simulated import parts_of_finding
 from ..findings import Finding
@@ -35,7 +36,6 @@ from ..simulation.parts import (
     Vector,
 )
 from ..simulation.plant import build_plant, unphysical
-from ..study.recording import FloatArray
 from .urdf import improve_urdf
 
 _WIDTH_OF_REST = 0.05  # [rad/s] over which friction changes its sign, that is worth a word

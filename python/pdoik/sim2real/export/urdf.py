@@ -8,11 +8,13 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..simulation.description import nearest, read_description, rotation_of_rpy
+from pdoik.descriptions import rotation_of_rpy
+from pdoik.recordings import FloatArray
+
+from ..simulation.description import nearest, read_description
 from ..simulation.inertial import Inertial
 from ..simulation.parts import DofChange, HardFriction, LinkChange, Part, Placement
 from ..simulation.plant import changed_inertials
-from ..study.recording import FloatArray
 
 
 def improve_urdf(

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..effects.external_contact import ORIGIN, ExternalContact
 from ..motion.place import Place, Shape
 from ..regression.fit import Fit, Term, term_of
 from ..regression.one_more import gains_alone
 from ..regression.wald import wald
-from ..study.recording import FloatArray
 from ..thresholds.diagnosis import DiagnosisThresholds
 
 _LENGTHS = (0.4, 0.8, 1.6, 3.2, 6.4)  # of the windows tried [s]

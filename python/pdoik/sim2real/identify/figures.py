@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 from scipy import linalg
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..findings import ERRORS, Estimate
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term
 from ..regression.random_effects import spread_between
-from ..study.recording import FloatArray
 from .ordinary import days_of
 
 DRAWS = 400

@@ -11,12 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects.unknown import hats
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Balance, Columns, Place, Shape
 from ..regression.fit import Term
-from ..study.recording import FloatArray
 from .hypothesis import Hypothesis, ordinary, usual_size
 from .linearisation import Linearisation
 from .model import Model

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..motion.balances import axis_of
 from ..motion.place import Gate, Place
 from ..regression.fit import Fit, Term, term_of
 from ..regression.one_more import OneMore, gains_alone
 from ..regression.refine import refined
-from ..study.recording import FloatArray
 from .candidates import candidates
 from .harmonics import harmonic_terms
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..motion.balances import Balances
 from ..motion.place import Gate, Key
 from ..regression.background import usual_torque
 from ..regression.fit import Term, TermKey
-from ..study.recording import FloatArray
 from ..thresholds.priors import PriorThresholds
 
 _LEAST_FIXED, _MOST_FIXED = 0.6, 1.6

@@ -14,11 +14,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..motion.balances import Balances
 from ..motion.place import Key
 from ..regression.fit import Term
 from ..regression.repeats import repeats
-from ..study.recording import FloatArray
 
 _ROOM = 64  # columns that are taken at once
 

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..motion.place import Key
-from ..study.recording import FloatArray
 from .hypothesis import Hypothesis
 from .linearisation import Linearisation
 

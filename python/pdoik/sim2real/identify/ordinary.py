@@ -12,6 +12,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..effects.coulomb_friction import CoulombFriction
 from ..effects.rotor_inertia import RotorInertia
@@ -24,7 +26,6 @@ from ..regression.background import imu_parts, usual_torque
 from ..regression.fit import Fit, Term, term_of
 from ..regression.tolerances import SCALE, SPEED, ZERO, Tolerance
 from ..regression.trusted_bodies import DAYS, trusted
-from ..study.recording import FloatArray
 from .hypothesis import Hypothesis, ordinary
 from .model import Model
 from .pool import Pool

@@ -10,6 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..motion.balances import Balances, columns_of
 from ..motion.foot_forces import with_ground
 from ..motion.motion import Motion
@@ -17,7 +19,6 @@ from ..motion.prepare import Prepared
 from ..motion.rigid_body import STANDARD_GRAVITY
 from ..regression.fit import Fit, Weighted, term_of
 from ..regression.trusted_bodies import TRUST, effect_of
-from ..study.recording import FloatArray
 
 _GRAVITY = "gravity"  # of a motion's cache, under which its bodies are
 

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..effects.torque_gain import TorqueGain
 from ..findings import HadBy, Support
 from ..regression.fit import Fit, Term
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import TRUST
-from ..study.recording import FloatArray
 from .model import LEAST_OWN, unexplained
 from .ordinary import days_of
 

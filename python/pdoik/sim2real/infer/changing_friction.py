@@ -12,6 +12,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..effects.friction_drift import FrictionDrift
 from ..findings import MOST_EQUIVALENTS, Equivalent, Finding
@@ -20,7 +22,6 @@ from ..regression.background import friction_at
 from ..regression.clusters import clustered
 from ..regression.fit import Fit
 from ..regression.random_effects import spread_between
-from ..study.recording import FloatArray
 from ..thresholds import Thresholds
 from ..thresholds.diagnosis import DiagnosisThresholds
 

@@ -11,12 +11,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..findings import Support
 from ..identify.contacts import acting
 from ..motion.place import Key
 from ..regression.fit import Fit, Index, Term
 from ..regression.wald import wald
-from ..study.recording import FloatArray
 
 _SEEN = 1e-4  # of the strongest direction of a force: what motors feel less of is left at zero
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..findings import Residue
 from ..motion.balances import Balances
 from ..motion.place import Key
-from ..study.recording import FloatArray
 
 _BINS = 12
 

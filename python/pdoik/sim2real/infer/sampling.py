@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay, period_of
 from ..findings import Estimate
@@ -21,7 +23,6 @@ from ..regression.fit import Fit, Term
 from ..regression.naming import described
 from ..regression.trusted_bodies import effect_of
 from ..regression.wald import robust
-from ..study.recording import FloatArray
 
 _SMALL = 0.2  # of a period: the step of a derivative by the delay
 

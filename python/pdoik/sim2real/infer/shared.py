@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..findings import Estimate
 from ..regression.naming import Found
-from ..study.recording import FloatArray
 
 
 def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:

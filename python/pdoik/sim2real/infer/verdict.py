@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects.unknown import Unknown
 from ..findings import Finding, JointFit, Verdict
 from ..identify.identified import Identified
@@ -14,7 +16,6 @@ from ..motion.balances import Balances
 from ..motion.place import Key
 from ..motion.prepare import Prepared, simulated
 from ..regression.prediction import Prediction
-from ..study.recording import FloatArray
 from ..study.study import Study
 from ..thresholds.diagnosis import DiagnosisThresholds
 from .residue import residue_of

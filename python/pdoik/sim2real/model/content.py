@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects.simulated import parts_of_finding
 from ..findings import Diagnosis, Finding
 from ..study.controller import Controller, VoltageDrive
-from ..study.recording import FloatArray
 
 _DRIVE = ("torque_per_volt", "back_emf", "supply_loss", "volts", "duty_limit")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 VARIANCE = 4
 """Coefficients of a variance: of 1, and of the squares of speed, of inertial torque, of torque."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pdoik._files import write_whole
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray, Recording
 
 from ..effects.simulated import not_simulated, parts_of_finding
 from ..findings import Diagnosis, Finding
@@ -19,7 +20,6 @@ from ..simulation.mjcf import flat_mjcf
 from ..simulation.parts import ExternalForce, LinkChange, Vector
 from ..simulation.plant import STANDARD_GRAVITY, link_carrying
 from ..study.payload import Payload
-from ..study.recording import FloatArray, Recording
 from ..study.study import Controller, Study
 from .content import array_of, controller_content, controller_of, findings_of, listed, required
 from .healthy import Healthy

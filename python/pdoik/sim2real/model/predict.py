@@ -9,6 +9,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..effects import CATALOGUE
 from ..findings import Finding
 from ..motion.balances import columns_of
@@ -18,7 +20,6 @@ from ..motion.place import Place
 from ..motion.rigid_body import RigidBody
 from ..motion.signals import zero_phase
 from ..simulation.description import Description, nearest, read_description
-from ..study.recording import FloatArray, Recording
 from .model import Model
 
 

@@ -10,8 +10,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..study.rates import ROWS
-from ..study.recording import FloatArray
 from ..thresholds import Thresholds
 from .free_rows import free_rows
 from .motion import Motion

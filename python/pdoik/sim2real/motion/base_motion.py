@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..study.floating_base import FloatingBase
-from ..study.recording import FloatArray, Recording
 from .signals import derivative, zero_phase
 
 _UP = np.array([0.0, 0.0, 9.81])

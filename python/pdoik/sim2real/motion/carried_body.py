@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .base_motion import BaseMotion
 from .rigid_body import RigidBody
 

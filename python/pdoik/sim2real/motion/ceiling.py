@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from ..thresholds.limits import LimitThresholds
 from .flat_top import occasions_of
 from .motion import Motion

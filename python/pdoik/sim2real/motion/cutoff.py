@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..study.rates import highest_cutoff
-from ..study.recording import FloatArray, Recording
 from ..thresholds.noise import NoiseThresholds
 from .motion_noise import position_noise
 from .rigid_body import RigidBody

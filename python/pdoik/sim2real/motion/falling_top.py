@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from ..thresholds.limits import LimitThresholds
 from .flat_top import DEFAULT_LIMITS, Torques
 from .signals import noise_density

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..study.floating_base import FloatingBase, Foot
-from ..study.recording import FloatArray, Recording
 from .carried_body import CarriedBody
 from .place import Balance, Key
 from .rigid_body import STANDARD_GRAVITY

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..study.floating_base import Ground
-from ..study.recording import FloatArray
 from ..thresholds.feet import FeetThresholds
 from ..thresholds.noise import NoiseThresholds
 from .feet import FootMotion, force_by_position

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from ..thresholds.noise import NoiseThresholds
 from .motion import Motion
 from .motion_noise import base_noise, inertial_noise

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..study.floating_base import FloatingBase
-from ..study.recording import FloatArray, Recording
 from ..study.study import Controller, Setup
 from ..thresholds import Thresholds
 from .base_motion import BaseMotion, base_motion_of

@@ -7,8 +7,9 @@ from typing import Literal
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..study.payload import Payload
-from ..study.recording import FloatArray
 
 Balance = Literal[
     "torque", "drive", "law", "velocity", "tip", "servo", "base", "imu", "foot", "tilt", "grip"

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..study.recording import FloatArray, Recording
+from pdoik.recordings import FloatArray, Recording
+
 from ..study.study import Setup, Study
 from .balances import Balances
 from .cutoff import chosen_cutoff, noise_of

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,10 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from pdoik.descriptions import RobotDescription
+from pdoik.recordings import FloatArray
+
 from ..study.payload import Payload
-from ..study.recording import FloatArray
 
 STANDARD_GRAVITY = 9.81
 _SPEED_OF_REST = 2e-3  # within which the description's dry friction turns [rad/s]
@@ -52,7 +53,7 @@ class RigidBody:
             rotor_inertia: (n,) seen at the joints [kg m^2]; None: none.
             floats: whether the base is free to move.
         """
-        model = _load(robot, floats)
+        model = RobotDescription.of_file(robot).pinocchio(floats=floats)
         first = 2 if floats else 1
         held = [i for i in range(first, model.njoints) if model.names[i] not in joints]
         model = pin.buildReducedModel(model, held, pin.neutral(model))
@@ -314,18 +315,6 @@ def _scale(ten: FloatArray) -> FloatArray:
     largest = max(float(np.abs(ten[4:]).max()), 1e-9)
     reach = max(float(np.linalg.norm(ten[1:4])) / mass, float(np.sqrt(largest / mass)))
     return np.array([mass] + [mass * reach] * 3 + [largest] * 6)
-
-
-def _load(robot: Path, floats: bool) -> Any:
-    """Of a URDF or MJCF; where the base floats joint 1 is its six degrees of freedom."""
-    is_urdf = robot.suffix == ".urdf" or ElementTree.parse(robot).getroot().tag == "robot"
-    read = pin.buildModelFromUrdf if is_urdf else pin.buildModelFromMJCF
-    if not floats:
-        return read(str(robot))
-    model = None if is_urdf else read(str(robot))
-    if model is not None and model.njoints > 1 and model.joints[1].nv == 6:
-        return model  # a free joint of its own
-    return read(str(robot), pin.JointModelFreeFlyer())
 
 
 def _link_of(model: Any, joint: int) -> str:

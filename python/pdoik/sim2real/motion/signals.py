@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import signal
 from scipy.ndimage import maximum_filter1d
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 _ORDER = 4  # of the Butterworth filter, run forwards and backwards
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .motion import Motion
 
 _ANGLES = 2.0 * np.pi / 5.0 * np.arange(1, 5)  # beside the motion's own [rad]

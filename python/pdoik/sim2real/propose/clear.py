@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 import pdoik
+from pdoik.recordings import FloatArray
 
-from ..study.recording import FloatArray
 from .path import STEP, Path, path_of
 
 _SAMPLES = 2e-3  # between two configurations that are judged at the end [s]

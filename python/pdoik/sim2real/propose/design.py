@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .clear import Clear
 from .excitation import Frame, Recipe, changed, first_recipes, motion_of, random_recipe
 from .expected import Pair, Prospect, hopeless_of

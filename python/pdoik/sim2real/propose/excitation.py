@@ -13,7 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .limits import Limits
 from .path import REST, STEP, Path, path_of
 

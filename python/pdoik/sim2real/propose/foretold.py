@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..motion.balances import Balances
 from ..motion.motion import Motion, motion_of
 from ..motion.place import Key
 from ..motion.prepare import Prepared
-from ..study.recording import FloatArray, Recording
 from .path import STEP, Path
 from .questions import Cause
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray
 
-from ..study.recording import FloatArray
 from .path import Path as JointPath
 
 _TO_FULL_SPEED = 0.4  # in which a joint reaches its speed limit where no acceleration is told [s]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 STEP = 0.01  # of the grid [s]
 REST = 0.25  # at either end [s]

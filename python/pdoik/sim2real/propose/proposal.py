@@ -12,8 +12,8 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from pdoik._files import write_whole
+from pdoik.recordings import FloatArray
 
-from ..study.recording import FloatArray
 from .clear import Verdict
 from .expected import Pair, Prospect
 

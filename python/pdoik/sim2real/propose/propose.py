@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray
 
 from ..diagnose import Tell, made_ready
 from ..evidence.files import DIAGNOSIS
@@ -18,7 +19,6 @@ from ..findings import Diagnosis, Finding
 from ..model.model import FILE_NAME, Model, load_model, robot_text
 from ..motion.prepare import Prepared
 from ..study.read_study import load_study
-from ..study.recording import FloatArray
 from .clear import Clear, Verdict
 from .design import Bounds, Design, designed, start_of
 from .excitation import Frame, random_motion

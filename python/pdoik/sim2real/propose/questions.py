@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE, Effect
 from ..findings import Diagnosis, Equivalent, Finding
 from ..model.predict import places_of
 from ..motion.place import Place, Shape
 from ..motion.prepare import Prepared
 from ..regression.naming import where_in_words
-from ..study.recording import FloatArray
 from ..thresholds.propose import ProposeThresholds
 
 ENOUGH = ProposeThresholds().enough

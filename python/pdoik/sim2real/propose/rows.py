@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from pdoik.recordings import FloatArray
+
 from ..motion.balances import Balances
 from ..motion.place import Key, Place, Shape
 from ..regression.background import background
 from ..regression.fit import Fit, term_of
 from ..regression.repeats import repeats_of
-from ..study.recording import FloatArray
 from .questions import Cause
 
 _RIDGE = 1e-9  # of a column's own power

@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..identify.candidates import same_kind
 from ..motion.balances import Balances
 from ..motion.place import Key, Place
 from ..motion.prepare import Prepared
 from ..regression.background import has_its_like
-from ..study.recording import FloatArray
 from .beside import FOUND, Beside, shapes_of
 from .expected import NOTHING, Pair, Prospect, Rivalry, clarity, expected_confidence
 from .foretold import Foretold

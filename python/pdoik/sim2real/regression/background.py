@@ -13,13 +13,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import Effect
 from ..effects.asymmetric_friction import AsymmetricFriction
 from ..effects.imu import ImuOffset, ImuTilt
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
-from ..study.recording import FloatArray
 from ..thresholds import Thresholds
 from .fit import Fit, Term, term_of
 from .repeats import repeats_of

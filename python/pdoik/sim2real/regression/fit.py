@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, optimize
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE, Effect
 from ..motion.balances import Balances
 from ..motion.place import Key, Place, Shape
-from ..study.recording import FloatArray
 from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry

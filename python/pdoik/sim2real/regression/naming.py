@@ -7,12 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE, Effect
 from ..findings import ERRORS, Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.motion import Motion
 from ..motion.place import Gate, Key
 from ..motion.prepare import Prepared
-from ..study.recording import FloatArray
 from .fit import Term
 
 Found = tuple[Finding, tuple[Term, ...]]

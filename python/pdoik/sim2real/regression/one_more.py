@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy import linalg
 
+from pdoik.recordings import FloatArray
+
 from ..motion.place import Key
-from ..study.recording import FloatArray
 from .fit import TRACE, Fit, Term
 
 

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..findings import Evidence
 from ..motion.balances import Balances
 from ..motion.place import Key
-from ..study.recording import FloatArray
 from .fit import Fit, Term, TermKey
 from .trusted_bodies import effect_of
 

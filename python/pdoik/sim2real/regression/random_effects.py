@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import optimize, stats
 
+from pdoik.recordings import FloatArray
+
 from ..findings import ERRORS
-from ..study.recording import FloatArray
 
 _TELLS = 0.05  # of the weight of the session that tells most
 _HOPELESS = 1e6  # times the least variance

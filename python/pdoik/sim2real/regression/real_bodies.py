@@ -14,8 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import linalg, optimize
 
+from pdoik.recordings import FloatArray
+
 from ..simulation.inertial import Inertial
-from ..study.recording import FloatArray
 
 _ROUNDS = 20  # of bodies in turn
 _STILL = 1e-6  # of a body's own size, that a round moves it

@@ -8,8 +8,9 @@ from typing import Protocol
 import numpy as np
 from scipy import optimize
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
-from ..study.recording import FloatArray
 from .fit import Fit, Term, term_of
 from .one_more import OneMore
 

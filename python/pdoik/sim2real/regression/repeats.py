@@ -7,8 +7,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..motion.balances import Balances
-from ..study.recording import FloatArray
 
 
 def repeats(parts: Iterable[FloatArray]) -> float:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..findings import Estimate
 from ..motion.place import Key
-from ..study.recording import FloatArray
 from .fit import Fit, Term
 
 _ROUNDS = 3

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .fit import Fit, Index, Term
 
 

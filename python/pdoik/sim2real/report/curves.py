@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pdoik.sim2real.study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 BINS = 18
 LEAST = 12  # samples that make a bin's median worth drawing

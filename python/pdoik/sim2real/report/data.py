@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pdoik.sim2real.study.recording import FloatArray, Role
+from pdoik.recordings import FloatArray, Role
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

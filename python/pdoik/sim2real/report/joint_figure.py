@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
 from numpy.typing import NDArray
 
-from pdoik.sim2real.study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 from .curves import BINS, binned, busiest, envelope, reach, sample
 from .data import ReportData, Traces

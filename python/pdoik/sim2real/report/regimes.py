@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pdoik.sim2real.study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 from .data import RegimeMap, ReportData
 

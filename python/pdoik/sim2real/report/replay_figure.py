@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pdoik.sim2real.study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 from .curves import busiest, envelope, reach, rms
 from .data import Replay, ReportData

@@ -9,8 +9,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..study.controller import Controller, VoltageDrive
-from ..study.recording import FloatArray
 from .parts import Part, Vector
 from .plant import STANDARD_GRAVITY, build_plant
 

@@ -12,9 +12,9 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
+from pdoik.descriptions import pose_of, tree_of
 from pdoik.errors import LoadError
 
-from ..study.recording import FloatArray
 from .inertial import Inertial
 
 DROPPED_LINK_PARTS = ("visual", "collision", "inertial")
@@ -57,11 +57,7 @@ def read_description(robot: str | Path) -> Description:
     Raises:
         LoadError: it cannot be read as a URDF or MJCF.
     """
-    text = robot.read_text() if isinstance(robot, Path) else robot
-    try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise LoadError(f"robot: not XML: {error}") from None
+    root = tree_of(robot)
     try:
         if root.tag == "robot":
             return _from_urdf(root)
@@ -94,40 +90,17 @@ def urdf_inertial(link: ElementTree.Element) -> Inertial:
     element = link.find("inertial")
     if element is None:
         return Inertial.nothing()
-    name = link.get("name", "")
     try:
-        origin, mass = element.find("origin"), element.find("mass")
-        xyz = _vector("0 0 0" if origin is None else origin.get("xyz", "0 0 0"))
-        rpy = _vector("0 0 0" if origin is None else origin.get("rpy", "0 0 0"))
+        T_link_com, mass, given = pose_of(element), element.find("mass"), element.find("inertia")
         value = 0.0 if mass is None else float(mass.get("value", ""))
-        given = element.find("inertia")
         I = np.zeros((3, 3))  # noqa: E741
         if given is not None:
             for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
                 I[i, j] = I[j, i] = float(given.get("i" + "xyz"[i] + "xyz"[j], 0.0))
     except ValueError as error:
-        raise ValueError(f"inertial of link {name}: {error}") from None
-    R = rotation_of_rpy(rpy)
-    return Inertial.about_com(value, xyz, R @ I @ R.T)
-
-
-def rotation_of_rpy(rpy: FloatArray) -> FloatArray:
-    """R_z(yaw) R_y(pitch) R_x(roll)."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-def _vector(text: str) -> FloatArray:
-    values = np.array([float(each) for each in text.split()])
-    if values.shape != (3,):
-        raise ValueError(f"expected three numbers, got {text!r}")
-    return values
+        raise ValueError(f"inertial of link {link.get('name', '')}: {error}") from None
+    R = T_link_com[:3, :3]
+    return Inertial.about_com(value, T_link_com[:3, 3], R @ I @ R.T)
 
 
 def _from_urdf(root: ElementTree.Element) -> Description:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .assemble import play_name
 from .description import nearest
 from .parts import GearPlay, HardFriction, JointTorque, Law, Part, StatefulLaw

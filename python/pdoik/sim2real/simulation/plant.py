@@ -10,8 +10,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..study.quiet_mujoco import quiet_mujoco
-from ..study.recording import FloatArray
+from pdoik.descriptions import quiet_mujoco
+from pdoik.recordings import FloatArray
+
 from .assemble import add_play, add_point, gears_of, hold_others, move, play_name
 from .description import Description, nearest, read_description
 from .inertial import Inertial

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import savgol_filter
 
-from ..study.recording import FloatArray, Recording
+from pdoik.recordings import FloatArray, Recording
 
 
 @dataclass(slots=True)

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .description import nearest
 from .parts import Coupling, Part, SensedChannel, SensorChange
 

@@ -9,9 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from pdoik.descriptions import quiet_mujoco
+from pdoik.recordings import FloatArray, Recording
+
 from ..motion.signals import lagged
-from ..study.quiet_mujoco import quiet_mujoco
-from ..study.recording import FloatArray, Recording
 from ..study.study import Controller
 from .control import Control, GravityModel, control_law, longest_control_step, missing_rotor_inertia
 from .leash import LOOKED_EVERY, Leash

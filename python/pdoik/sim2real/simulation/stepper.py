@@ -10,10 +10,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from pdoik.descriptions import quiet_mujoco
 from pdoik.errors import PdoikError
+from pdoik.recordings import FloatArray
 
-from ..study.quiet_mujoco import quiet_mujoco
-from ..study.recording import FloatArray
 from .drive import DelayLine, Drive, combine
 from .joint_laws import JointLaws
 from .parts import DriveChange, ExternalForce, Part, Vector

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..study.recording import Recording
+from pdoik.recordings import Recording
 
 _SHIFT = 0.02  # of a base's position that a stand lets happen [m]
 _SPIN = 0.1  # root mean square of its angular velocity that it lets happen [rad/s]

@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .property import OfArray
 from .user_model import UserModel
 

@@ -8,8 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..identify.model import Model
-from ..study.recording import FloatArray
 from ..thresholds.simulators import SimulatorThresholds
 from .candidates import Term, baseline
 from .climb import Climb, hypothesis, linearised

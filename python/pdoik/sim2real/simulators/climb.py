@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..identify.hypothesis import Hypothesis
 from ..identify.linearisation import Linearisation, Series
 from ..identify.model import Model
@@ -18,7 +20,6 @@ from ..motion.place import Place
 from ..regression.fit import Term
 from ..regression.repeats import repeats
 from ..simulation.stepper import SimulationError
-from ..study.recording import FloatArray
 from .candidates import Knob
 from .experiment import Experiment
 from .parameters import Parameter

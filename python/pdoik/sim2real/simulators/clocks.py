@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..study.recording import FloatArray, Recording
+from pdoik.recordings import FloatArray, Recording
 
 _WINDOWS = 8  # of what both have
 _LAGS = 101  # tried of each window

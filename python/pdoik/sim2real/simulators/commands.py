@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from ..study.recording import FloatArray, Recording
+from pdoik.recordings import FloatArray, Recording
+
 from .user_model import UserModel
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray, Recording
 
 from ..simulation.stepper import SimulationError
 from ..study.read_study import load_study
-from ..study.recording import FloatArray, Recording
 from ..study.split import split
 from ..study.study import Study
 from .base_at_rest import check_base_at_rest

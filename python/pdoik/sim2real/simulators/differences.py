@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..study.recording import FloatArray, Recording
+from pdoik.recordings import FloatArray, Recording
 
 BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 5.0), (5.0, 15.0), (15.0, np.inf))
 """Of frequency [Hz], in which the error's size is given."""

@@ -18,9 +18,10 @@ from mujoco import rollout
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from pdoik.descriptions import quiet_mujoco
+from pdoik.recordings import FloatArray, Recording
+
 from ..simulation.segments import measured_state
-from ..study.quiet_mujoco import quiet_mujoco
-from ..study.recording import FloatArray, Recording
 from .candidates import Values, delays_with, filters_with, model_with
 from .commands import check_commands, fed_forward, mean_over
 from .sampled import Sampled

@@ -10,9 +10,10 @@ from scipy.special import expit
 from scipy.stats import norm
 from scipy.stats import t as student
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..findings import Estimate
 from ..simulation.stepper import SimulationError
-from ..study.recording import FloatArray, Recording
 from ..thresholds.simulators import SimulatorThresholds
 from .candidates import Knob, Term, Values, baseline, terms_of
 from .choice import Choice, Rival, is_ordinary

@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pdoik.recordings import FloatArray
+
 from ..report.style import AFTER, BEFORE, MEASURED, Picture, picture, short
 from ..report.words import number
-from ..study.recording import FloatArray
 from .compare import Trace
 from .differences import BANDS, in_bands
 

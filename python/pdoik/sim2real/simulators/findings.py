@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import t as student
 
+from pdoik.recordings import FloatArray
+
 from ..findings import Equivalent, Evidence, Finding, JointFit, Verdict
-from ..study.recording import FloatArray
 from ..thresholds.simulators import SimulatorThresholds
 from .candidates import Knob, Term, baseline, model_with
 from .explain import Explained

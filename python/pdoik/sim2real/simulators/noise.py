@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .experiment import Experiment
 
 _FINEST = {"q": 1e-5, "tau": 1e-3}

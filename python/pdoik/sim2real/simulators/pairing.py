@@ -14,8 +14,8 @@ import numpy as np
 from scipy.signal import fftconvolve
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray, Recording
 
-from ..study.recording import FloatArray, Recording
 from ..thresholds.simulators import SimulatorThresholds
 from .clocks import clocks_of, rate_between
 

@@ -13,7 +13,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .user_model import UserModel
 
 _RECORDED = 1e-3  # longest time between two states that are kept [s]

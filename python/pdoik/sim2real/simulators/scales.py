@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .candidates import Values, model_with
 from .experiment import Experiment
 from .vocabulary import PROPERTIES

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..simulation.stepper import SimulationError
-from ..study.recording import FloatArray
 from .user_model import UserModel
 
 _FASTEST = 1e4  # [rad/s]

@@ -7,7 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
+
 from .candidates import Knob
 from .climb import Climb
 from .property import EVERY

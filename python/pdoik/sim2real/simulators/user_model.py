@@ -10,12 +10,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
 from ..simulation.description import read_description
 from ..simulation.mjcf import mjcf_text, movable_joints
 from ..simulation.plant import build_plant
-from ..study.columns import nearest
 from ..study.study import Controller, Study
 
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ElementTree
 from typing import Any
 
 from scipy.spatial.transform import Rotation
 
+from pdoik._nearest import nearest
+from pdoik.descriptions import RobotFacts, pose_of, tree_of
 from pdoik.errors import LoadError
+from pdoik.recordings import Recording
 
-from .columns import nearest
 from .floating_base import FloatingBase, Foot, Ground
 from .key_tables import BASE, FOOT, GROUND, IMU
-from .recording import Recording
-from .robot_facts import RobotFacts
 from .values import checked, number, shown, text, vector
 
 _FLAT_FROM = 4  # joints of a leg that can turn a sole as well as place it
@@ -36,7 +35,7 @@ def base_from(content: Any, facts: RobotFacts | None) -> FloatingBase | None:
         raise LoadError("base: expected a robot that it is the base of, 'robot:'")
     content = {} if content == "floating" else content
     told = checked(content, BASE, "base")
-    root = _root(facts)
+    root = facts.root
     link = text(told.get("link"), "base: link") or root
     if link != root:
         raise LoadError(f"base: link: expected {root!r}, the first of the robot's, got {link!r}")
@@ -68,17 +67,6 @@ def check_base(base: FloatingBase | None, recording: Recording, held: bool) -> N
             f" {'only half of an IMU was recorded' if half else 'nothing tells how it moved'};"
             f" {RECORD}, or say 'base: held' in the recording's entry where a stand held it"
         )
-
-
-def _root(facts: RobotFacts) -> str:
-    """The first link, or the body that MJCF lets float."""
-    free = [link for link in facts.free if facts.parents.get(link, "world") in ("world", "")]
-    if free:
-        return free[0]
-    first = [link for link in facts.masses if link not in facts.parents and link != "world"]
-    if not first:  # MJCF whose first body is fixed to the world
-        first = [link for link, parent in facts.parents.items() if parent == "world"]
-    return first[0]
 
 
 def _imu(content: Any) -> tuple[Any, Any]:
@@ -119,12 +107,10 @@ def _foot(link: str, content: Any, facts: RobotFacts) -> Foot:
 
 def _ball(facts: RobotFacts, link: str) -> tuple[tuple[float, float, float] | None, float | None]:
     """Middle in the link's frame and radius [m] of a foot that is a ball in a URDF."""
-    root = ElementTree.parse(facts.path).getroot()
-    for each in root.findall(f"link[@name='{link}']/collision"):
-        ball, origin = each.find("geometry/sphere"), each.find("origin")
+    for each in tree_of(facts.path).findall(f"link[@name='{link}']/collision"):
+        ball = each.find("geometry/sphere")
         if ball is not None:
-            written = "0 0 0" if origin is None else origin.get("xyz", "0 0 0")
-            x, y, z = map(float, written.split())
+            x, y, z = pose_of(each)[:3, 3].tolist()
             return (x, y, z), float(ball.get("radius", "nan"))
     return None, None
 

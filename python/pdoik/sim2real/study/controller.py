@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from .recording import FloatArray
+from pdoik.recordings import FloatArray
 
 LawType = Literal["unknown", "pd", "pid", "cascade", "voltage", "table"]
 

@@ -8,11 +8,11 @@ from typing import Any, cast, get_args
 import numpy as np
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray
 
 from .controller import GAINS, Controller, LawType, ToldController
 from .key_tables import LAW, TABLE, VOLTAGE
 from .keys import checked, number, per_joint, vector
-from .recording import FloatArray
 
 
 def told_controller(content: Any, joints: tuple[str, ...]) -> ToldController | None:

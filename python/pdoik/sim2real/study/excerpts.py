@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import Recording
+
 from .rates import ROWS, highest_cutoff
-from .recording import Recording
 from .split import part
 from .study import Study
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from .key import Key, Keys
-from .logs import MAX_ROWS, entry_keys
+from pdoik.recordings import MAX_ROWS, Key, Keys, entry_keys
 
 _NONE = "none"
 _PER_JOINT = "a list in the joints' order, or by name"

@@ -11,11 +11,9 @@ import numpy as np
 import yaml
 
 from pdoik.errors import LoadError
+from pdoik.recordings import MAX_ROWS, ColumnsKey, FloatArray, Part, Role, columns_key, entry_keys
 
 from .key_tables import ENTRY, SETUP, STUDY, TRUST
-from .logs import MAX_ROWS, Part, entry_keys
-from .names.columns_key import ColumnsKey, columns_key
-from .recording import FloatArray, Role
 from .study import Trust
 from .values import checked as checked
 from .values import names as names
@@ -60,6 +58,11 @@ def read_part(path: Path) -> dict[str, Any]:
         raise LoadError(f"study: cannot read {path}: {error.strerror}") from error
     except (UnicodeDecodeError, yaml.YAMLError) as error:
         raise LoadError(f"{path.name}: no YAML: {error}") from error
+    for key in content if isinstance(content, dict) else ():
+        if key not in STUDY and key in (*ENTRY, *entry_keys(), *SETUP):
+            raise LoadError(
+                f"{path.name}: {key!r} is a key of an entry of 'recordings:', not of the study"
+            )
     return checked(content, STUDY, path.name)
 
 

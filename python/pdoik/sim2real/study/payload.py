@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .recording import FloatArray
+from pdoik.recordings import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,17 +10,18 @@ from typing import Any
 
 import numpy as np
 
+from pdoik._nearest import nearest
+from pdoik.descriptions import RobotFacts, robot_facts
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray
 
 from . import keys
-from .columns import nearest
+from .check_robot import check_robot
 from .controller import Controller
 from .controller_key import known_controller, told_controller
 from .key_tables import PAYLOAD
 from .keys import Entry
 from .payload import Payload
-from .recording import FloatArray
-from .robot_facts import RobotFacts, check_robot, robot_facts
 from .study import Setup
 
 _MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
@@ -58,11 +59,6 @@ def setups_of(
             )
         found[entry.name] = _setup(entry, told)
     return found
-
-
-def facts_of(setup: Setup, facts: RobotFacts | None) -> RobotFacts | None:
-    """Of the recording's robot, or else of the study's."""
-    return facts if setup.robot is None else robot_facts(setup.robot)
 
 
 def _setup(entry: Entry, told: Told) -> Setup:

@@ -6,29 +6,30 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
+from pdoik.descriptions import RobotFacts, robot_file
 from pdoik.errors import LoadError
+from pdoik.recordings import (
+    STILL,
+    FloatArray,
+    Recording,
+    RobotLog,
+    check_names,
+    columns_key,
+    joints_of,
+    moves,
+    read_log,
+    units_from,
+)
 
 from . import keys as study_keys
 from .base_key import base_from, check_base
-from .check_recording import moves, to_recording
-from .columns import Table, joints_of
+from .check_robot import armatures, check_robot
 from .controller_key import known_controller, told_controller
-from .duty import check_duty
-from .floating_base import FloatingBase
 from .keys import Entry
-from .names.check_names import check_names
-from .names.columns_key import columns_key
-from .names.known import Known
-from .names.mujoco_order import mujoco_order
-from .read_log import read_log
-from .read_setup import Told, facts_of, setups_of
-from .recording import STILL, FloatArray, Recording
-from .robot_facts import RobotFacts, armatures, check_robot, robot_facts
+from .read_setup import Told, setups_of
 from .simulator_key import simulator_from
 from .split import split
 from .study import Setup, Study
-from .suspect_units import check_units
-from .units import Units, units_from
 
 
 def load_study(source: str | os.PathLike[str] | Study) -> Study:
@@ -55,7 +56,8 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     named = study_keys.names(content.get("joints"), "joints")
     tip = study_keys.text(content.get("tip"), "tip")
     robot = study_keys.text(content.get("robot"), "robot")
-    facts = None if robot is None else robot_facts(folder / Path(robot).expanduser())
+    described = None if robot is None else robot_file(folder / Path(robot).expanduser())
+    facts = None if described is None else described.facts
     base = base_from(content.get("base"), facts)
     floats = base is not None
     if facts is not None and named is not None:
@@ -65,16 +67,26 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     simulations = study_keys.entries(
         content.get("simulation") or [], folder, "simulation", max_rows
     )
-    known = Known(
-        joints=named,
-        others=() if facts is None else tuple(facts.joints),
-        arm=() if facts is None else facts.arm,
-        key=columns_key(content.get("columns"), f"{path.name}: columns"),
-        ignore=ignore,
-        order=mujoco_order(None if facts is None else facts.path),
-    )
-    tables = [_table(each, known, units) for each in entries]
-    joints, notes = (named, ()) if named is not None else _common_joints(tables, facts)
+    key = columns_key(content.get("columns"), f"{path.name}: columns")
+
+    def log_of(entry: Entry, joints: tuple[str, ...] | None) -> RobotLog:
+        return read_log(
+            entry.path,
+            name=entry.name,
+            joints=joints,
+            robot=described,
+            columns=key if entry.columns is None else entry.columns,
+            units=units,
+            ignore=ignore,
+            every=entry.part.every,
+            window=entry.part.window,
+            max_rows=entry.part.max_rows,
+            numbered=False,
+            **entry.reading,
+        )
+
+    logs = [log_of(each, named) for each in entries]
+    joints, notes = (named, ()) if named is not None else _common_joints(logs, facts)
     notes += () if facts is None else check_robot(facts, joints, tip, floats=floats)
     notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
     told = told_controller(content.get("controller"), joints)
@@ -89,21 +101,22 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     )
     setups = setups_of(entries, simulations, beside)
 
-    def recording(table: Table, entry: Entry) -> Recording:
+    feet = () if base is None else tuple(foot.link for foot in base.feet)
+
+    def recording(log: RobotLog, entry: Entry) -> Recording:
         setup = setups.get(entry.name, Setup())
-        made = _recording(table, entry, joints, units, facts_of(setup, facts), base)
+        own = described if setup.robot is None else robot_file(setup.robot)
+        made = replace(log, names=joints, robot=own).recording(entry.role, feet, ask=True)
         check_base(base, made, setup.held)
         return made
 
     recordings = []
     for entry in entries:
-        table = tables.pop(0)  # as long as an hour: no two forms of all are kept
-        check_names(table, joints, ignore)
-        recordings.append(recording(table, entry))
-        del table
-    simulation = [
-        recording(_table(each, replace(known, joints=joints), units), each) for each in simulations
-    ]
+        log = logs.pop(0)  # as long as an hour: no two forms of all are kept
+        check_names(log.table, joints, ignore)
+        recordings.append(recording(log, entry))
+        del log
+    simulation = [recording(log_of(each, joints), each) for each in simulations]
     _check_still(recordings, joints)
     parted, how = split(tuple(recordings))
     return check_study(
@@ -185,22 +198,15 @@ def _width(study: Study, channel: str) -> int:
     return {"tip": 7, "base": 7, "gyro": 3, "acc": 3}.get(channel, len(study.joints))
 
 
-def _table(entry: Entry, known: Known, units: Units) -> Table:
-    """A recording's raw columns, those of these joints only, if they are known."""
-    if entry.columns is not None:
-        known = replace(known, key=entry.columns)
-    return read_log(entry.path, entry.name, known, entry.part, units, entry.reading)
-
-
 def _common_joints(
-    tables: list[Table], facts: RobotFacts | None
+    logs: list[RobotLog], facts: RobotFacts | None
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The joints that every recording has a position of, and notes on the others."""
-    each = [joints_of(table.columns) for table in tables]
+    each = [joints_of(log.table.columns) for log in logs]
     common = [joint for joint in each[0] if all(joint in others for others in each)]
     shown = "; ".join(
-        f"{table.name}: {'; '.join((', '.join(joints) or 'none', *table.unsettled))}"
-        for table, joints in zip(tables, each, strict=True)
+        f"{log.name}: {'; '.join((', '.join(joints) or 'none', *log.table.unsettled))}"
+        for log, joints in zip(logs, each, strict=True)
     )
     if not common:
         raise LoadError(
@@ -222,25 +228,6 @@ def _common_joints(
         if joint not in known
     ]
     return tuple(known), tuple(notes)
-
-
-def _recording(
-    table: Table,
-    entry: Entry,
-    joints: tuple[str, ...],
-    units: Units,
-    facts: RobotFacts | None,
-    base: FloatingBase | None,
-) -> Recording:
-    slides = [
-        joint for joint in joints if facts is not None and facts.joints[joint].type == "prismatic"
-    ]
-    units = units.with_written(table.units)
-    feet = () if base is None else tuple(foot.link for foot in base.feet)
-    recording = to_recording(table, joints, entry.role, units, slides, feet)
-    check_units(recording, joints, units, facts)
-    check_duty(recording, joints, units)
-    return recording
 
 
 def _rotor_inertia(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from pdoik.errors import LoadError
+from pdoik.recordings import Reading
 
 from . import keys as study_keys
-from .reading import Reading
 
 
 def reading_of_study(path: str | Path) -> Reading:

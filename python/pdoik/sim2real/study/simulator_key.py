@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from .columns import nearest
 from .key_tables import SIMULATOR
 from .keys import checked, text
 from .simulator_file import SimulatorFile

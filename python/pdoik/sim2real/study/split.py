@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pdoik.errors import LoadError
-
-from .recording import Recording
+from pdoik.recordings import Recording
 
 HELD_OUT = 0.3  # of each recording's end, where there are too few to hold out whole ones
 _BETWEEN = 0.5  # left out between the blocks, since neighbouring samples resemble each other [s]

@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..thresholds import Thresholds
 from .controller import Controller as Controller
 from .controller import ToldController
 from .floating_base import FloatingBase
 from .payload import Payload
-from .recording import FloatArray, Recording
 from .simulator_file import SimulatorFile
 
 

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
-
-from .columns import nearest
-from .recording import FloatArray
+from pdoik.recordings import FloatArray
 
 
 def checked(content: Any, keys: Collection[str], source: str) -> dict[str, Any]:

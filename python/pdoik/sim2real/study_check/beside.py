@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from pdoik.recordings import FloatArray
+
 from ..motion.balances import Balances
 from ..motion.place import Key, Place
 from ..regression.fit import Fit, Term
 from ..regression.wald import clusters_of
-from ..study.recording import FloatArray
 
 _NONE = 1e-9  # share of a contribution that is left of it where nothing is
 

@@ -12,6 +12,8 @@ from itertools import combinations
 
 import numpy as np
 
+from pdoik.recordings import Recording
+
 from ..effects import Effect
 from ..motion.balances import Balances
 from ..motion.motion import Motion, thinned
@@ -19,7 +21,6 @@ from ..motion.place import Place, Shape
 from ..motion.prepare import Prepared, motions_of
 from ..study.controller import Controller
 from ..study.payload import Payload
-from ..study.recording import Recording
 from ..study.split import part
 from ..study.study import Study
 from .joints import reversals

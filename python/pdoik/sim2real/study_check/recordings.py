@@ -7,7 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from ..study.recording import Recording
+from pdoik.recordings import Recording
+
 from ..study.study import Study
 
 

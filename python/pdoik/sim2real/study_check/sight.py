@@ -26,9 +26,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from pdoik.recordings import FloatArray
+
 from ..identify.support import acting
 from ..motion.place import Key
-from ..study.recording import FloatArray
 from ..thresholds import Thresholds
 from .beside import Beside, Contribution, Noise, energy_of, error_of, inflation_of
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE, Effect
 from ..effects.effect import Parameter
 from ..identify.candidates import same_kind
@@ -21,7 +23,6 @@ from ..regression.background import (
 from ..regression.fit import Term, term_of
 from ..regression.repeats import repeats_of
 from ..regression.trusted_bodies import TRUST, trusted
-from ..study.recording import FloatArray
 from .amounts import bisected
 from .beside import Beside, Contribution, Noise
 from .sight import Asks, Sight, sight_of

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from pdoik.descriptions import RobotDescription, quiet_mujoco
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActuatorGains:
@@ -22,12 +24,11 @@ def actuator_gains(robot: Path, joints: Sequence[str]) -> ActuatorGains | None:
     """Of an MJCF; None of a URDF, or where a joint has no position actuator of its own."""
     import mujoco
 
-    from ..study.quiet_mujoco import quiet_mujoco
-
-    if "<mujoco" not in robot.read_text(encoding="utf-8", errors="replace"):
+    described = RobotDescription.of_file(robot)
+    if described.kind != "mjcf":
         return None
     with quiet_mujoco():
-        model = mujoco.MjModel.from_xml_path(str(robot))
+        model = described.mujoco
     at: dict[str, int] = {}
     for k in range(model.nu):
         joint = int(model.actuator_trnid[k, 0])

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pdoik.descriptions import robot_facts
 from pdoik.errors import LoadError
 
 from ..study.keys import read_part
-from ..study.robot_facts import robot_facts
 from .actuators import actuator_gains
 from .facts import Facts
 from .questions import guesses_of, questions_of

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from ..study.names.known import ALONG_THE_ARM
-from ..study.recording import Recording
-from ..study.robot_facts import RobotFacts
+from pdoik.descriptions import RobotFacts
+from pdoik.recordings import Recording
+from pdoik.recordings.names import ALONG_THE_ARM
+
 from .actuators import ActuatorGains
 from .hold_out import HoldOut, hold_out
 from .trial import Trial

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..study.recording import FloatArray, Recording
+from pdoik.recordings import FloatArray, Recording
 
 _CELLS = 12  # of each joint's positions, and of its speeds
 _LEAST_COVERED = 0.6  # of two recordings, below which the one says little of the other

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from ..study.recording import Recording
+from pdoik.recordings import Recording
+
 from .facts import Facts
 from .trial import is_bag
 

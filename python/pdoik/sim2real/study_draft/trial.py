@@ -10,12 +10,12 @@ from typing import Any
 
 import yaml
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
+from pdoik.recordings import SuspectedUnitError
 
-from ..study.columns import nearest
 from ..study.read_study import load_study
 from ..study.study import Study
-from ..study.suspected_unit import SuspectedUnitError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..model.healthy import CHARTS, VARIANCE, Healthy
 from ..model.model import Model
 from ..motion.cutoff import noise_of
 from ..motion.motion import thinned
-from ..study.recording import FloatArray, Recording
 from ..thresholds.watch import WatchThresholds
 from .residuals import ResidualRows, Residuals, joined
 from .windows import Rows, Windows

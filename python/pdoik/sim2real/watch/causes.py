@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE, Effect
 from ..effects.coulomb_friction import CoulombFriction
 from ..effects.external_contact import ExternalContact
@@ -19,7 +21,6 @@ from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Key, Place, Shape
 from ..regression.fit import Fit, Term, term_of
-from ..study.recording import FloatArray
 from ..thresholds.watch import WatchThresholds
 from .alarm import Cause, Figure
 from .calibrate import variance_of

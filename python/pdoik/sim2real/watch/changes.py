@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE
 from ..motion.balances import columns_of
 from ..motion.motion import Motion
 from ..motion.place import Place, Shape
-from ..study.recording import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..model.healthy import Healthy
-from ..study.recording import FloatArray
 from ..thresholds.watch import WatchThresholds
 from .calibrate import variance_of
 from .cusum import Cusum, threshold_for

@@ -9,16 +9,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
+from pdoik._nearest import nearest
 from pdoik.errors import LoadError
-
-from ..study.columns import nearest
-from ..study.logs import Column
-from ..study.logs.arrow_numbers import numbers
-from ..study.logs.csv_form import CsvForm, is_number
-from ..study.names.known import Known, listed
-from ..study.names.settle import settle
-from ..study.reading import Reading
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray, Reading
+from pdoik.recordings.logs import Column, CsvForm, is_number, numbers
+from pdoik.recordings.names import Known, listed, settle
 
 _TORN = 0.1  # share of a piece's lines that may hold no numbers, as where a file was cut off
 _LONGEST = 1 << 20  # bytes of a line

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import optimize
 
-from ..study.recording import FloatArray
+from pdoik.recordings import FloatArray
 
 
 def average_run_length(

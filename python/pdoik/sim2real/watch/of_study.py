@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdoik.recordings import Recording
+
 from ..findings import Finding
 from ..model.model import Model
-from ..study.recording import Recording
 from ..study.study import Study
 from .calibrate import calibrated
 

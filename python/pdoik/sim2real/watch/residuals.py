@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..effects import CATALOGUE
 from ..effects.coulomb_friction import CoulombFriction
 from ..effects.presliding_hysteresis import PreslidingHysteresis
@@ -19,7 +21,6 @@ from ..model.predict import body_of, places_of, torque_of, torques_along
 from ..motion.motion import Motion, motion_of
 from ..motion.place import Place
 from ..motion.signals import dilated, zero_phase
-from ..study.recording import FloatArray, Recording
 from .changes import Change, torque_of_changes
 from .windows import Window, kept_every
 

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from pdoik.errors import LoadError
+from pdoik.recordings import FloatArray, Reading
 
-from ..study.reading import Reading
-from ..study.recording import FloatArray
 from .csv_stream import CsvStream
 
 _PIECE = 1 << 20  # bytes read at a time

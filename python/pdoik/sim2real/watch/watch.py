@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdoik.recordings import FloatArray, Recording
+
 from ..model.model import Model
-from ..study.recording import FloatArray, Recording
 from ..thresholds import Thresholds
 from .alarm import Alarm
 from .calibrate import rows_of

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdoik.recordings import GAP, FloatArray, Recording, glitches, on_grid, uniform_grid
+
 from ..motion.motion import thinned
-from ..study.glitches import glitches
-from ..study.recording import FloatArray, Recording
-from ..study.resample import GAP, on_grid, uniform_grid
 
 NAME = "watched"
 """Every window's name as a recording."""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ import yaml
 
 import pdoik
 from pdoik._addresses import Packages
-from pdoik.descriptions.text import urdf_file
+from pdoik.descriptions import UrdfJoint, pose_of, tree_of, urdf_file, urdf_joints
 from pdoik.errors import PdoikError
 from pdoik.sim2real.model.model import Model
 
@@ -29,17 +29,6 @@ from ..visuals import load_visuals
 FloatArray = npt.NDArray[np.float64]
 
 _THIN = 0.022  # radius of a link without geometry, of the robot's size
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Joint:
-    """A joint of the description."""
-
-    name: str
-    parent: str
-    child: str
-    axis: FloatArray  # (3,) in the child's frame
-    moves: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -58,7 +47,7 @@ class DrawnRobot:
     robot: pdoik.Robot
     meshes: dict[str, Any]
     mover: dict[str, int]
-    joints: dict[str, Joint]
+    joints: dict[str, UrdfJoint]
     columns: npt.NDArray[np.intp]  # (n,) place of the study's joints in the robot's
     rest: FloatArray  # (dof,) of joints that the study leaves out
     size: float
@@ -93,14 +82,14 @@ def drawn_robot(model: Model, packages: Packages = ()) -> DrawnRobot:
     with tempfile.TemporaryDirectory(prefix="pdoik-view-") as folder:
         file = _file_of(model, Path(folder), packages, notes)
         robot = read_robot(file)
-        root = ElementTree.parse(file).getroot()
+        root = tree_of(file)
         visuals, missing = load_visuals(file, packages)
     if missing:
         notes.append(f"{len(missing)} links lack meshes: {missing[0]}")
     missing_joints = [name for name in model.joints if name not in robot.joint_names]
     if missing_joints:
         raise ValueError(f"the robot has no joint {missing_joints[0]!r} that can be drawn")
-    joints = {each.name: each for each in _joints(root)}
+    joints = {each.name: each for each in urdf_joints(root)}
     rest = np.clip(0.0, robot.lower, robot.upper)
     known = set(robot.link_names)
     origins = {link: np.asarray(robot.fk(rest, link))[:3, 3] for link in robot.link_names}
@@ -165,27 +154,7 @@ def _shipped(robot: pdoik.Robot) -> pdoik.Robot | None:
     return None
 
 
-def _joints(root: ElementTree.Element) -> list[Joint]:
-    found = []
-    for each in root.findall("joint"):
-        parent, child, axis = each.find("parent"), each.find("child"), each.find("axis")
-        if parent is None or child is None:
-            continue
-        words = "1 0 0" if axis is None else axis.get("xyz", "1 0 0")
-        vector = np.array([float(word) for word in words.split()])
-        found.append(
-            Joint(
-                name=str(each.get("name")),
-                parent=str(parent.get("link")),
-                child=str(child.get("link")),
-                axis=vector / max(float(np.linalg.norm(vector)), 1e-12),
-                moves=each.get("type") != "fixed",
-            )
-        )
-    return found
-
-
-def _movers(joints: Sequence[Joint], names: Sequence[str]) -> dict[str, int]:
+def _movers(joints: Sequence[UrdfJoint], names: Sequence[str]) -> dict[str, int]:
     """The nearest joint of the study above each link."""
     above = {each.child: each for each in joints}
     movers = {}
@@ -200,10 +169,10 @@ def _movers(joints: Sequence[Joint], names: Sequence[str]) -> dict[str, int]:
 
 
 def _sticks(
-    root: ElementTree.Element,
+    root: Element,
     robot: pdoik.Robot,
     q: FloatArray,
-    joints: Sequence[Joint],
+    joints: Sequence[UrdfJoint],
     radius: float,
 ) -> dict[str, Any]:
     """Rods from each link's origin to those of its children, or to twice its centre of mass."""
@@ -217,7 +186,7 @@ def _sticks(
         ]
         if not ends:
             ends = [2.0 * _center(root, link)]
-        moving = any(each.child == link and each.moves for each in joints)
+        moving = any(each.child == link and each.type != "fixed" for each in joints)
         parts = [trimesh.creation.icosphere(subdivisions=3, radius=1.5 * radius)] if moving else []
         parts += [
             segment_mesh(np.zeros(3), end, radius) for end in ends if np.linalg.norm(end) > radius
@@ -227,12 +196,9 @@ def _sticks(
     return meshes
 
 
-def _center(root: ElementTree.Element, link: str) -> FloatArray:
-    for each in root.findall("link"):
-        origin = each.find("inertial/origin")
-        if each.get("name") == link and origin is not None:
-            return np.array([float(word) for word in origin.get("xyz", "0 0 0").split()])
-    return np.zeros(3)
+def _center(root: Element, link: str) -> FloatArray:
+    inertial = root.find(f"link[@name='{link}']/inertial")
+    return np.zeros(3) if inertial is None else pose_of(inertial)[:3, 3]
 
 
 def _mesh(glb: bytes) -> Any:
