@@ -3,22 +3,22 @@
 python -m bench.humanoid --quick
 """
 
+import os
 import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 from rich.console import Console
 from rich.progress import track
 
 from bench.common.commands import BUILD, console
-from bench.humanoid.report.gallery import dodges, draw_figure, draw_film
-from bench.humanoid.report.report import write_report
-from bench.humanoid.trials.experiment import Experiment, settings_for
-from bench.humanoid.world.objects import ycb_folder
+
+if TYPE_CHECKING:
+    from bench.humanoid.trials.experiment import Experiment
 
 Mode = Literal["predict", "react", "stand", "all"]
 SetupName = Literal["welded", "free", "balanced", "paper", "all"]
@@ -75,6 +75,12 @@ def main(
     Writes report.md, report.json and a log of each run's joints: pdoik view h1 --replay. Once
     stopped, the same command goes on where it was.
     """
+    if film or figure:
+        os.environ.setdefault("MUJOCO_GL", "egl")  # read where mujoco is imported first: below
+    from bench.humanoid.report.report import write_report
+    from bench.humanoid.trials.experiment import Experiment, settings_for
+    from bench.humanoid.world.objects import ycb_folder
+
     with _misuse_ends():
         for option, value in (("--seconds", seconds), ("--long-seconds", long_seconds)):
             if value is not None and not 0 < value <= 3600:
@@ -107,7 +113,9 @@ def main(
         _draw(experiment, film, figure)
 
 
-def _draw(experiment: Experiment, film: bool, figure: bool) -> None:
+def _draw(experiment: "Experiment", film: bool, figure: bool) -> None:
+    from bench.humanoid.report.gallery import dodges, draw_figure, draw_film
+
     found = dodges(experiment)
     if not found:
         errors.print("warning: nothing was dodged by a plan: no film, no figure", highlight=False)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from contextlib import closing
 from pathlib import Path
 from typing import Any
-
-os.environ.setdefault("MUJOCO_GL", "egl")  # before mujoco is imported
 
 import mujoco
 import numpy as np
