@@ -18,14 +18,14 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from bench.common.arrays import FloatArray
-from pdoik.h1.robot import OCCUPANCY
-from pdoik.h1.shapes import SHAPES, Shape
+from bench.humanoid.world.robot import OCCUPANCY
 from pdoik.occupancy_fit import OccupancyFit
 from pdoik.occupancy_fit import hulls as fitting
 from pdoik.occupancy_fit.hulls import Spheroid, half_sum, tidy_point
 from pdoik.occupancy_fit.report import FitReport
 from pdoik.occupancy_fit.rough import rough_shapes
 from pdoik.occupancy_fit.split import clip
+from pdoik.view.h1_shapes import SHAPES, Shape
 
 SAMPLES = 4000  # per shape or hull
 SECTIONS = 64  # of the meshes' circles
@@ -53,8 +53,8 @@ COLUMNS = f"{'link':<26}{'hulls':>6}{'worst gap':>12}{'excess: median':>15}{'max
 HEADER = """\
 Hulls of the Unitree H1, all links that have a shape in the MuJoCo model: {n} spheroids.
 
-Geometry: the capsules, cylinders and balls of pdoik.h1.shapes (figures after MuJoCo Menagerie and
-Unitree, BSD-3-Clause). A fit by bench.humanoid.hulls --fit: around each part of a link
+Geometry: the capsules, cylinders and balls of pdoik.view.h1_shapes (figures after MuJoCo Menagerie
+and Unitree, BSD-3-Clause). A fit by bench.humanoid.hulls --fit: around each part of a link
 the spheroid that sticks out least.
 
 Every shape, surface and inside, lies within its link's hulls. Worst gap: of {samples} points and
@@ -161,7 +161,23 @@ def excess(hulls: list[Hull], link: str) -> FloatArray:
 
 def to_shapes(points: FloatArray, shapes: list[Shape]) -> FloatArray:
     """Distances to the nearest of them, (N,) [m]."""
-    return np.asarray(np.min([shape.distance(points) for shape in shapes], axis=0))
+    return np.asarray(np.min([distance(shape, points) for shape in shapes], axis=0))
+
+
+def distance(shape: Shape, points: FloatArray) -> FloatArray:
+    """Signed distance of points (N, 3) in the link's frame to the surface, (N,) [m]."""
+    a, b = np.array(shape.a), np.array(shape.b)
+    if shape.kind == "sphere":
+        return np.asarray(np.linalg.norm(points - a, axis=1) - shape.radius)
+    length = float(np.linalg.norm(b - a))
+    along = (points - a) @ (b - a) / length
+    if shape.kind == "capsule":
+        foot = a + np.clip(along, 0, length)[:, None] * (b - a) / length
+        return np.asarray(np.linalg.norm(points - foot, axis=1) - shape.radius)
+    off_axis = np.linalg.norm(points - a - along[:, None] * (b - a) / length, axis=1)
+    q = np.column_stack([off_axis - shape.radius, np.abs(along - length / 2) - length / 2])
+    outside = np.linalg.norm(np.maximum(q, 0), axis=1)
+    return np.asarray(outside + np.minimum(q.max(axis=1), 0))
 
 
 def link_shapes(link: str) -> list[Shape]:

@@ -1,11 +1,11 @@
-"""The logs that `pdoik h1` writes, diagnosed: something is concealed in the H1 that dodges.
+"""The logs of an H1 that dodges, diagnosed: something is concealed in the robot.
 
 python -m bench.humanoid.logs --out build/bench/h1_logs
 
-The robot stands free on its soles and dodges what is thrown at it, as `pdoik h1 --mode predict
---setup balanced` has it; its logs are that command's own. The study's robot is the H1 as it is
-believed to be, with the joints' damping and rotors; nothing is known but its logs: joints, torques
-and the pelvis' pose. Worlds that are there are not made again, nor diagnosed.
+The robot stands free on its soles and dodges what is thrown at it, as `python -m bench.humanoid
+--mode predict --setup balanced` has it; its logs are that command's own. The study's robot is
+the H1 as it is believed to be, with the joints' damping and rotors; nothing is known but its logs:
+joints, torques and the pelvis' pose. Worlds that are there are not made again, nor diagnosed.
 """
 
 import json
@@ -24,16 +24,17 @@ import yaml
 from bench.common.commands import show, write_report
 from bench.common.markdown import markdown_table
 from bench.common.whole_files import write_text
-from pdoik.h1.dodge import DodgeSearch, Plan, Planner
-from pdoik.h1.draw_throws import draw_throws
-from pdoik.h1.log import write_log
-from pdoik.h1.model import ARMATURE, BALANCED, DAMPING, build_world
-from pdoik.h1.objects import OBJECT_NAMES, load_object
-from pdoik.h1.predict import follow_plan
-from pdoik.h1.robot import FEET, JOINT_NAMES, URDF
-from pdoik.h1.shapes import SOLE_HEIGHT
-from pdoik.h1.throws import Throw
+from bench.humanoid.dodge.plan import Plan, Planner
+from bench.humanoid.dodge.search import DodgeSearch
+from bench.humanoid.trials.draw_throws import draw_throws
+from bench.humanoid.trials.predict import follow_plan
+from bench.humanoid.world.log import write_log
+from bench.humanoid.world.model import ARMATURE, DAMPING, build_world
+from bench.humanoid.world.objects import OBJECT_NAMES, load_object
+from bench.humanoid.world.robot import BALANCED, URDF
+from bench.humanoid.world.throws import Throw
 from pdoik.sim2real import CATALOGUE, diagnose
+from pdoik.view.h1_shapes import FEET, JOINT_NAMES, SOLE_HEIGHT
 
 RUNS = 4  # the last is held out
 AFTER = 3.0  # how long a run goes on behind the dodge [s]
@@ -152,7 +153,7 @@ def recorded(folder: Path, cause: Cause, plans: list[tuple[Throw, Plan]], ycb: P
 
 
 def write_study(folder: Path) -> None:
-    """What a user would write; the description has the damping of `pdoik h1`."""
+    """What a user would write; the description has the damping of the world."""
     tree = ElementTree.parse(URDF)
     for joint in tree.getroot().findall("joint"):
         if joint.attrib["name"] in JOINT_NAMES:

@@ -24,7 +24,6 @@ USEFUL = {  # at most four that most readers need, by command
     "occupancy": ("--out", "--max-hulls"),
     "pairs": ("--occupancy", "--out"),
     "bench": ("--robot", "--targets", "--seed"),
-    "h1": ("--mode", "--setup", "--out", "--picture"),
     "study new": ("--out", "--entry", "--columns"),
     "study check": ("--out",),
     "study keys": (),

@@ -100,7 +100,8 @@ def test_random_trees_centres_of_mass_are_pinocchio_s_mimic_joints_and_all(
 
 def test_h1_s_centre_of_mass_and_its_jacobian_are_mujoco_s(rng: np.random.Generator) -> None:
     mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
-    from pdoik.h1.model import FREE, build_world
+    from bench.humanoid.world.model import build_world
+    from bench.humanoid.world.robot import FREE
 
     robot = pdoik.Robot.builtin("h1", base_link=LEFT)
     world = build_world(FREE)

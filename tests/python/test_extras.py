@@ -15,7 +15,7 @@ import pytest
 import pdoik
 
 OTHERS = ("matplotlib", "mujoco", "pinocchio", "pypcd4", "rich", "scipy", "trimesh", "typer")
-OTHERS += ("PIL", "h5py", "imageio", "jinja2", "pyarrow", "rosbags", "viser", "xacro", "yaml")
+OTHERS += ("PIL", "h5py", "jinja2", "pyarrow", "rosbags", "viser", "xacro", "yaml")
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 PACKAGE_OF = {"PIL": "pillow", "collada": "pycollada", "pinocchio": "pin", "yaml": "pyyaml"}
 PACKAGE_OF |= {"igl": "libigl", "mpl_toolkits": "matplotlib", "mapbox_earcut": "mapbox-earcut"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -12,30 +13,33 @@ import pdoik
 
 mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
+from bench.common.arrays import moved  # noqa: E402
 from bench.humanoid import hulls as h1_hulls  # noqa: E402
-from pdoik.h1.controller import Controller  # noqa: E402
-from pdoik.h1.draw_throws import Hit, draw_throws  # noqa: E402
-from pdoik.h1.log import log_columns, write_log  # noqa: E402
-from pdoik.h1.model import FREE, PAPER, SETUPS, Setup, body_pose, build_world  # noqa: E402
-from pdoik.h1.objects import OBJECT_NAMES, FlyingObject, load_object  # noqa: E402
-from pdoik.h1.robot import JOINT_NAMES, OCCUPANCY, ROOT_LINK, URDF, figures  # noqa: E402
-from pdoik.h1.shapes import SHAPES  # noqa: E402
-from pdoik.h1.simulate import Push, hold, simulate  # noqa: E402
-from pdoik.h1.standing import (  # noqa: E402
-    COM_LOWER,
-    COM_UPPER,
-    center_of_mass,
-    solver_robot,
-    standing_posture,
+from bench.humanoid.trials.draw_throws import Hit, draw_throws  # noqa: E402
+from bench.humanoid.world.controller import Controller  # noqa: E402
+from bench.humanoid.world.log import log_columns, write_log  # noqa: E402
+from bench.humanoid.world.model import body_pose, build_world  # noqa: E402
+from bench.humanoid.world.objects import OBJECT_NAMES, FlyingObject, load_object  # noqa: E402
+from bench.humanoid.world.robot import (  # noqa: E402
+    FREE,
+    OCCUPANCY,
+    PAPER,
+    SETUPS,
+    TIP_LINK,
+    URDF,
+    Setup,
+    robot_in_world,
 )
-from pdoik.h1.throws import Throw, placed  # noqa: E402
-from pdoik.h1.torque import static_torque  # noqa: E402
+from bench.humanoid.world.simulate import Push, hold, simulate  # noqa: E402
+from bench.humanoid.world.standing import COM_LOWER, COM_UPPER, standing_posture  # noqa: E402
+from bench.humanoid.world.throws import Throw  # noqa: E402
+from pdoik.view.h1_shapes import JOINT_NAMES, ROOT_LINK, SHAPES  # noqa: E402
 
 ALL_SETUPS = pytest.mark.parametrize("setup", SETUPS.values(), ids=list(SETUPS))
 
 
 def random_posture(rng: np.random.Generator) -> np.ndarray:
-    return rng.uniform(figures().per_joint("lower"), figures().per_joint("upper"))
+    return rng.uniform(robot_in_world(FREE).lower, robot_in_world(FREE).upper)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +62,7 @@ def hits(things: dict[str, FlyingObject]) -> list[Hit]:
 
 
 def test_joints_come_in_the_order_of_the_solver_s_robot() -> None:
-    assert tuple(solver_robot().joint_names) == JOINT_NAMES
+    assert tuple(robot_in_world(FREE).joint_names) == JOINT_NAMES
 
 
 def test_mass_and_com_height_are_the_same_to_pinocchio_mujoco_and_pdoik() -> None:
@@ -77,7 +81,7 @@ def test_mass_and_com_height_are_the_same_to_pinocchio_mujoco_and_pdoik() -> Non
     assert world.model.body_subtreemass[world.root] == pytest.approx(51.601, abs=1e-9)
     height = standing.subtree_com[world.root, 2] - standing.xpos[world.feet[0], 2]
     assert height == pytest.approx(com[2] - ankle[2], abs=1e-9)
-    assert center_of_mass(FREE, np.zeros(19)) == pytest.approx(
+    assert robot_in_world(FREE).center_of_mass(np.zeros(19)) == pytest.approx(
         standing.subtree_com[world.root], abs=1e-9
     )
 
@@ -96,22 +100,26 @@ def test_every_link_is_where_pinocchio_and_pdoik_put_it(seed: int) -> None:
 
     world = build_world(FREE)
     standing = world.standing_data(q)
-    for link in figures().links:
+    robot = robot_in_world(FREE)
+    for link in robot.link_names[1:]:  # all but the world
         T_world_link = body_pose(standing, world.model.body(link).id)
         T_root_link = data.oMf[model.getFrameId(link)].homogeneous
-        T_base_link = solver_robot().fk(q, link)
-        assert np.linalg.inv(T_root_ankle) @ T_root_link == pytest.approx(T_base_link, abs=1e-9)
-        assert FREE.T_world_base @ T_base_link == pytest.approx(T_world_link, abs=1e-9)
+        T_base_link = np.linalg.inv(T_root_ankle) @ T_root_link
+        assert FREE.T_world_base @ T_base_link == pytest.approx(robot.fk(q, link), abs=1e-9)
+        assert robot.fk(q, link) == pytest.approx(T_world_link, abs=1e-9)
 
 
-def test_limits_are_the_same_to_mujoco_and_pdoik() -> None:
-    model = build_world(FREE).model
-    ranges = np.array([model.joint(name).range for name in JOINT_NAMES])
-    assert ranges[:, 0] == pytest.approx(solver_robot().lower, abs=1e-12)
-    assert ranges[:, 1] == pytest.approx(solver_robot().upper, abs=1e-12)
-    assert figures().per_joint("velocity") == pytest.approx(solver_robot().velocity, abs=1e-12)
-    efforts = [model.actuator(name).ctrlrange[1] for name in JOINT_NAMES]
-    assert efforts == pytest.approx(figures().per_joint("effort"), abs=0)
+def test_limits_are_the_same_to_mujoco_pdoik_and_the_description() -> None:
+    world, robot = build_world(FREE), robot_in_world(FREE)
+    ranges = np.array([world.model.joint(name).range for name in JOINT_NAMES])
+    assert ranges[:, 0] == pytest.approx(robot.lower, abs=1e-12)
+    assert ranges[:, 1] == pytest.approx(robot.upper, abs=1e-12)
+    limits = {
+        joint.attrib["name"]: joint.find("limit").attrib
+        for joint in ElementTree.parse(URDF).getroot().findall("joint")
+    }
+    assert robot.velocity == pytest.approx([float(limits[n]["velocity"]) for n in JOINT_NAMES])
+    assert world.effort == pytest.approx([float(limits[n]["effort"]) for n in JOINT_NAMES])
 
 
 def test_every_shape_lies_within_its_link_s_hulls() -> None:
@@ -132,7 +140,7 @@ def test_mujoco_measures_distances_to_the_very_shapes_that_the_hulls_cover() -> 
         R = data.geom_xmat[geom].reshape(3, 3)
         T = body_pose(data, world.model.geom_bodyid[geom])
         points = h1_hulls.shape_surface(shape, rng)[:200]
-        local = (placed(points, T) - data.geom_xpos[geom]) @ R
+        local = (moved(points, T) - data.geom_xpos[geom]) @ R
         size = world.model.geom_size[geom]
         if shape.kind == "sphere":
             off = np.linalg.norm(local, axis=1) - size[0]
@@ -148,21 +156,22 @@ def test_mujoco_measures_distances_to_the_very_shapes_that_the_hulls_cover() -> 
 @ALL_SETUPS
 def test_the_standing_posture_holds_still_on_its_feet(setup: Setup) -> None:
     q = standing_posture(setup)
-    assert (solver_robot().lower <= q).all()
-    assert (q <= solver_robot().upper).all()
-    T_world_tip = setup.T_world_base @ solver_robot().fk(q)
+    robot = robot_in_world(setup)
+    assert (robot.lower <= q).all()
+    assert (q <= robot.upper).all()
+    T_world_tip = robot.fk(q, TIP_LINK)
     assert T_world_tip[:3, 3] == pytest.approx(setup.T_world_tip[:3, 3], abs=1e-6)
     if setup is not PAPER:
         assert T_world_tip == pytest.approx(setup.T_world_tip, abs=1e-6)
-    assert (setup.T_world_base @ solver_robot().fk(q, ROOT_LINK))[2, 2] > 0.9999
-    com = center_of_mass(setup, q)
+    assert robot.fk(q, ROOT_LINK)[2, 2] > 0.9999
+    com = robot.center_of_mass(q)
     assert (com > COM_LOWER).all()
     assert (com < COM_UPPER).all()
     if setup is FREE:
         assert -0.08 < com[1] < -0.03
-    torque = static_torque(build_world(setup), q)
-    assert torque.holds
-    assert torque.share.max() < 0.5
+    world = build_world(setup)
+    torque = Controller(world).gravity_torque(world.standing_data(q))
+    assert (np.abs(torque) / world.effort).max() < 0.5
 
 
 @ALL_SETUPS
@@ -220,11 +229,11 @@ def test_torques_and_commanded_speeds_keep_their_limits() -> None:
     q = standing_posture(FREE)
     far = q.copy()
     far[JOINT_NAMES.index("left_shoulder_roll_joint")] = 3.0
-    run = simulate(build_world(FREE), q, hold(far), 0.5)
-    effort = figures().per_joint("effort")
-    assert (np.abs(run.tau) <= effort).all()
+    world = build_world(FREE)
+    run = simulate(world, q, hold(far), 0.5)
+    assert (np.abs(run.tau) <= world.effort).all()
     assert run.saturation.max() > 0.05  # it was asked for more
-    assert (np.abs(run.dq) <= 1.1 * figures().per_joint("velocity")).all()
+    assert (np.abs(run.dq) <= 1.1 * robot_in_world(FREE).velocity).all()
 
 
 @pytest.mark.parametrize("name", OBJECT_NAMES)
@@ -259,7 +268,7 @@ def test_a_swept_cloud_holds_the_object_at_every_instant(things: dict[str, Flyin
     )
     balls = throw.swept_cloud(thing, 0.3, 0.5)
     for t in np.linspace(0.3, 0.5, 17):
-        points = placed(thing.surface, throw.pose(t))[::20]
+        points = moved(thing.surface, throw.pose(t))[::20]
         gaps = np.linalg.norm(points[:, None] - balls[:, :3], axis=2) - balls[:, 3]
         assert gaps.min(axis=1).max() <= 0
 

@@ -116,13 +116,13 @@ def test_the_command_lines_run_and_solve(examples: Path, tmp_path: Path) -> None
     commands = [shlex.split(line, comments=True) for line in written if line.startswith("pdoik ")]
     lines = dict.fromkeys(tuple(words[1:]) for words in commands)  # each once
     assert {words[0] for words in lines} == {
-        *("info", "solve", "report", "occupancy", "pairs", "bench", "view", "h1"),
+        *("info", "solve", "report", "occupancy", "pairs", "bench", "view"),
         *("study", "effects", "diagnose", "compare", "predict", "simulate", "watch", "propose"),
     }
     for line in lines:
         words = list(line)
         # These take long: tested where they are written, and compare's line by a long test below.
-        if words[0] in ("view", "h1", "compare"):
+        if words[0] in ("view", "compare"):
             words = [words[0], "--help"]
         if words[0] == "watch" and "--once" not in words:
             words += ["--once"]

@@ -25,7 +25,8 @@ def joined(robot: pdoik.Robot) -> set[frozenset[str]]:
 
 def test_answers_off_themselves_are_so_in_mujoco(h1: pdoik.Robot, rng: np.random.Generator) -> None:
     mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
-    from pdoik.h1.model import FREE, build_world
+    from bench.humanoid.world.model import build_world
+    from bench.humanoid.world.robot import FREE
 
     world = build_world(FREE)
     model, order = world.model, pdoik.Robot.builtin("h1", base_link=LEFT).joint_names

@@ -17,10 +17,9 @@ import pytest
 import pdoik
 from command_line import misuse, run
 from pdoik._hulls import PlacedHull, PlacedSpheroid, placed_hulls
-from pdoik.h1.robot import FEET, JOINT_NAMES
-from pdoik.h1.shapes import SOLE_HEIGHT
 from pdoik.solids import binding
 from pdoik.view import Log, Obstacles, Session, Shown, Worker, load_log
+from pdoik.view.h1_shapes import FEET, JOINT_NAMES, SOLE_HEIGHT
 from pdoik.view.humanoid import balance_over_feet, floor_height, object_frame, support_polygon
 from pdoik.view.model import deepest_tip, read_robot
 from pdoik.view.player import Player

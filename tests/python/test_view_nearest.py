@@ -13,7 +13,7 @@ import pdoik
 from pdoik._hulls import gaps, placed_hulls
 from pdoik.solids import shape_surface
 from pdoik.view import Session
-from test_solids import KINDS, shape
+from solid_kinds import KINDS, shape
 
 pytest.importorskip("viser", reason="pip install 'pdoik[view]'")
 

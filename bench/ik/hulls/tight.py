@@ -21,16 +21,16 @@ import yaml
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.whole_files import write_text
-from bench.humanoid.hulls import circumscribed, turn_of_z
+from bench.humanoid.hulls import circumscribed, distance, turn_of_z
 from bench.ik.experiment import Arm
 from bench.ik.judges.arm_meshes import arm_meshes
-from pdoik.h1.shapes import SHAPES, Shape
 from pdoik.link_pairs import sample_pairs
 from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, Piece, fit_link, fit_pieces
 from pdoik.occupancy_fit.hulls import MARGIN, tidy_point
 from pdoik.occupancy_fit.overhang import overhang
 from pdoik.occupancy_fit.segments import Capsules
 from pdoik.occupancy_fit.solid import Solid, spread
+from pdoik.view.h1_shapes import SHAPES, Shape
 
 Shipped = StrEnum("Shipped", ["panda", "ur10", "iiwa14", "h1"])
 FOLDER = Path(__file__).parents[3] / "cpp/robots"
@@ -130,7 +130,7 @@ def _around(shape: Shape) -> Piece:
         shape.link, trimesh.convex.convex_hull(np.concatenate([a + corners, b + corners])).triangles
     )
     surface = np.array(piece.vertices)[np.array(piece.triangles)]
-    out = shape.distance(spread(surface, 20_000)[0]).max()
+    out = distance(shape, spread(surface, 20_000)[0]).max()
     return piece._replace(tolerance=round(float(out) + 5e-7, 6))
 
 

@@ -1,4 +1,4 @@
-"""The command line: pdoik solve, info, occupancy, bench, view, h1, diagnose and the others."""
+"""The command line: pdoik solve, info, occupancy, bench, view, diagnose and the others."""
 
 from __future__ import annotations
 

@@ -14,7 +14,6 @@ from .bench import bench
 from .compare import compare
 from .diagnose import diagnose
 from .effects import app as effects
-from .h1 import h1
 from .info import info
 from .messages import fail, out
 from .occupancy import occupancy
@@ -62,7 +61,6 @@ app.command(rich_help_panel=_ARM)(info)
 app.command(rich_help_panel=_ARM)(occupancy)
 app.command(rich_help_panel=_ARM)(pairs)
 app.command(rich_help_panel=_ARM)(bench)
-app.command(rich_help_panel=_ARM)(h1)
 app.add_typer(study, rich_help_panel=_MACHINE)
 app.command(rich_help_panel=_MACHINE)(diagnose)
 app.command(rich_help_panel=_MACHINE)(propose)

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import trimesh
 
 import pdoik
-from pdoik.h1.shapes import SHAPES, Shape
 
+from .h1_shapes import SHAPES, Shape
 from .visuals import painted
 
 FloatArray = npt.NDArray[np.float64]

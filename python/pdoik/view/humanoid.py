@@ -7,8 +7,16 @@ import numpy.typing as npt
 from scipy.spatial import ConvexHull
 
 import pdoik
-from pdoik.h1.robot import FEET, JOINT_NAMES, ROOT_LINK
-from pdoik.h1.shapes import SOLE_HALF_WIDTH, SOLE_HEEL, SOLE_HEIGHT, SOLE_TOE
+
+from .h1_shapes import (
+    FEET,
+    JOINT_NAMES,
+    ROOT_LINK,
+    SOLE_HALF_WIDTH,
+    SOLE_HEEL,
+    SOLE_HEIGHT,
+    SOLE_TOE,
+)
 
 FloatArray = npt.NDArray[np.float64]
 

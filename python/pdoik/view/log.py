@@ -72,7 +72,7 @@ def load_log(path: str | Path, joint_names: Sequence[str]) -> Log:
     Of q and q_des one is needed, for every joint of the robot; a signal that only some joints have
     is an error, columns of other joints and other columns are passed over. The columns object.x,
     .y, .z, .qw, .qx, .qy, .qz, if there are any, are an object's pose in the base frame; in a log
-    of the H1 in the pelvis' frame, as `pdoik.h1.log` writes it.
+    of the H1 in the pelvis' frame, as `bench.humanoid` writes it.
 
     Args:
         path: Of the file. Metres, radians, seconds.

@@ -1,9 +1,0 @@
-"""The Unitree H1 that dodges flying objects in MuJoCo (Sec. exp3): everything but the solver.
-
-World: x is the robot's left, so it faces -y; z is up and 0 at the ankles. Joint vectors are (19,)
-in the order of `JOINT_NAMES`, which is that of `pdoik.Robot` seen from the left ankle.
-"""
-
-from pdoik.h1.robot import JOINT_NAMES
-
-__all__ = ["JOINT_NAMES"]
