@@ -37,7 +37,7 @@ Row = dict[str, Any]
 Job = Mapping[str, Any]
 
 
-class CampaignError(Exception):
+class CampaignError(RuntimeError):
     """The campaign cannot run, or some of its jobs failed."""
 
 

@@ -56,3 +56,8 @@ def code_digest(*folders: str) -> str:
         if folder.parent != WORLDS or not path.name.endswith(TELLING)
     ]
     return digest_of_files(files)[:12]
+
+
+def core_digest() -> str:
+    """Of the library's machine code: results of two builds are not to be mixed."""
+    return hashlib.sha256(Path(pdoik._core.__file__).read_bytes()).hexdigest()[:16]

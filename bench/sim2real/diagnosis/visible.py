@@ -31,8 +31,8 @@ from bench.sim2real.concealed.effects_drive import Ripple, Spring, TorqueOffset
 from bench.sim2real.concealed.effects_friction import Coulomb, Viscous
 from bench.sim2real.concealed.effects_late import Delay
 from bench.sim2real.concealed.effects_transmission import Backlash
+from bench.sim2real.concealed.score import ONE_NAME
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.diagnosis.score import ONE_NAME
 from pdoik.sim2real import Finding, check_study, diagnose
 
 TIMES = (0.5, 1.0, 2.0, 4.0)

@@ -14,14 +14,14 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from bench.sim2real.concealed.arm import Array, urdf
 from bench.sim2real.concealed.build import world_of
 from bench.sim2real.concealed.draft import Draft
 from bench.sim2real.concealed.logger import Take
-from bench.sim2real.concealed.motion import STEP, Motion, Style, recording_motion, smoothstep
 from bench.sim2real.concealed.reference import Dynamics
-from bench.sim2real.concealed.study_files import joint_names, write_study
 from bench.sim2real.concealed.world import Run, World
+from bench.sim2real.frame.arm import Array, urdf
+from bench.sim2real.frame.motion import STEP, Motion, Style, recording_motion, smoothstep
+from bench.sim2real.frame.study_files import joint_names, write_study
 from bench.sim2real.loop.cell import Clearance, random_cell
 from bench.sim2real.loop.feed_forward import commands
 from bench.sim2real.loop.hidden import HIDDEN, MODEL_ERROR, WITH_TIP
@@ -87,7 +87,7 @@ def write_commissioning(
     }
     if draft.believed is not draft.arm:
         study["trust"] = {"rigid_body": 0.1}
-    write_study(folder, draft.believed, study)
+    write_study(folder, urdf(draft.believed), study)
 
 
 LEGS = 4

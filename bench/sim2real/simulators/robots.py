@@ -1,13 +1,14 @@
 """The robots whose simulators are wrong, and what scripts on real recordings share."""
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-import pdoik
+from bench.common.descriptions import MissingDescriptionError, go2_urdf, shipped
 from bench.common.markdown import markdown_table
 from pdoik.sim2real.simulators.compare import Comparison
 
@@ -28,7 +29,7 @@ def robots() -> dict[str, Robot]:
     """By name; the quadruped only where example-robot-data is installed."""
     found = {
         "panda": Robot(
-            urdf=Path(pdoik.__file__).parent / "robots" / "panda.urdf",
+            urdf=shipped("panda"),
             kp=(400.0, 400.0, 300.0, 300.0, 120.0, 120.0, 60.0),
             kv=(40.0, 40.0, 30.0, 30.0, 8.0, 8.0, 3.0),
             rest=(0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.5),
@@ -36,11 +37,9 @@ def robots() -> dict[str, Robot]:
             joints=7,
         )
     }
-    go2 = "cmeel.prefix/share/example-robot-data/robots/go2_description/urdf/go2.urdf"
-    path = Path(np.__file__).parents[1] / go2
-    if path.is_file():
+    with suppress(MissingDescriptionError):
         found["go2"] = Robot(
-            urdf=path,
+            urdf=go2_urdf(),
             kp=(20.0,) * 12,
             kv=(1.5,) * 12,
             rest=(0.0, 0.9, -1.6) * 4,

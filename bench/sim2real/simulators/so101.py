@@ -19,15 +19,13 @@ import numpy as np
 import typer
 import yaml
 
+from bench.common.descriptions import published
 from bench.sim2real.simulators.robots import position_servos, told_of
 from pdoik.sim2real.simulation.description import read_description
 from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
 from pdoik.sim2real.simulation.plant import build_plant
 from pdoik.sim2real.simulators.compare import compare
 
-URDF = Path(np.__file__).parents[1] / (
-    "cmeel.prefix/share/example-robot-data/robots/so_arm_description/urdf/so101.urdf"
-)
 LOGGED = {
     "shoulder_pan": "rotation",
     "shoulder_lift": "pitch",
@@ -80,8 +78,9 @@ FIGURES = {
 
 def simulator(figures: Figures) -> str:
     """MJCF of the arm without its shapes, under position actuators."""
-    joints = movable_joints(read_description(URDF))
-    plant = build_plant(URDF, joints)
+    urdf = published("so_arm_description/urdf/so101.urdf")
+    joints = movable_joints(read_description(urdf))
+    plant = build_plant(urdf, joints)
     model, dof = plant.model, list(plant.dof)
     model.dof_damping[dof], model.dof_frictionloss[dof] = figures.damping, figures.frictionloss
     model.dof_armature[dof] = figures.armature
