@@ -109,6 +109,27 @@ class Campaign:
             )
         return self.gather(list(jobs))
 
+    def run_here(
+        self,
+        function: Callable[[Any], Sequence[Row] | pd.DataFrame],
+        jobs: Mapping[str, Any],
+        console: Console,
+    ) -> pd.DataFrame:
+        """The same in this process, one job after the other: for times that others would disturb.
+
+        Args:
+            function: Turns a job into rows.
+            jobs: By a name that is good for a file.
+            console: For the progress bar.
+        """
+        missing = [name for name in jobs if not self.has(name)]
+        if len(missing) < len(jobs):
+            console.print(f"{len(jobs) - len(missing)} of {len(jobs)} jobs are done already")
+        with _progress(console) as progress:
+            for name in progress.track(missing, description="jobs"):
+                self.keep(name, function(jobs[name]))
+        return self.gather(list(jobs))
+
     def _part(self, name: str) -> Path:
         return self._parts / f"{name}.parquet"
 
