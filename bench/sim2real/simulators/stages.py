@@ -14,6 +14,7 @@ ROOM = Room(
     spec=WorldSpec,
     generators=[*proof.ROOM.generators, HERE / "worlds.py"],
     scorers=[HERE / "scores.py"],
+    longest=1800.0,
     score=score,
     tables=all_tables,
 )
