@@ -74,7 +74,7 @@ def _written(folder: Path, draft: Draft, takes: list[Take]) -> tuple[dict[str, A
         true = take.write(path, logged(draft), shuffle, tip=draft.sensors.tip)
         noiseless |= {f"{path.stem}_{name}": values for name, values in true.items()}
     order = spec.stream("order").permutation(draft.arm.n)
-    write_study(folder, urdf(draft.believed), _study(draft, order))
+    write_study(folder, urdf(draft.believed), study_of(draft, order))
     return noiseless, order
 
 
@@ -194,7 +194,8 @@ def logged(draft: Draft) -> list[str]:
     return [name for name, there in known.items() if there]
 
 
-def _study(draft: Draft, order: Array) -> dict[str, Any]:
+def study_of(draft: Draft, order: Array) -> dict[str, Any]:
+    """What study.yaml says, with the joints in an order of indices (n,)."""
     names, control = joint_names(draft.arm), draft.control
     study: dict[str, Any] = {
         "robot": "robot.urdf",
@@ -212,6 +213,6 @@ def _study(draft: Draft, order: Array) -> dict[str, Any]:
         },
         "rotor_inertia": draft.armature[order].tolist(),
     }
-    if draft.plan.model_error:
+    if draft.believed is not draft.arm:
         study["trust"] = {"rigid_body": 0.1}
     return study
