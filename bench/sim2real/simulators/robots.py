@@ -4,13 +4,16 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 
 from bench.common.descriptions import MissingDescriptionError, go2_urdf, shipped
 from bench.common.markdown import markdown_table
-from pdoik.sim2real.simulators.compare import Comparison
+from pdoik.sim2real.simulators.compare import Comparison, compare
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +50,23 @@ def robots() -> dict[str, Robot]:
             joints=12,
         )
     return found
+
+
+def compared(simulator: str | Path, study: Mapping[str, Any]) -> Comparison:
+    """A study as a user would write it, compared.
+
+    Args:
+        simulator: MJCF as text, or a URDF's file.
+        study: the other keys of its YAML.
+    """
+    with TemporaryDirectory() as home:
+        given = {"urdf": str(simulator)}
+        if isinstance(simulator, str):
+            given = {"mjcf": "simulator.xml"}
+            (Path(home) / "simulator.xml").write_text(simulator)
+        path = Path(home) / "study.yaml"
+        path.write_text(yaml.safe_dump({"simulator": given, **study}))
+        return compare(path)
 
 
 def errors_by_joint(comparison: Comparison, sides: Mapping[str, NDArray[np.float64]]) -> str:
