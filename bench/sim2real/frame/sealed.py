@@ -29,8 +29,6 @@ HERE = Path(__file__).parent
 STUDIES, SEALED = "studies", "sealed"
 FROZEN, SEAL = "frozen.json", "seal.json"
 Stage = StrEnum("Stage", {name.upper(): name for name in ("conceal", "diagnose", "score")})
-
-
 GENERATORS = ("arm.py", "motion.py", "robots.py", "streams.py", "study_files.py")
 SCORERS = ("blind.py", "one.py", "score.py")
 Tables = Callable[[pd.DataFrame, Sequence[str]], str]
