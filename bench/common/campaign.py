@@ -37,7 +37,7 @@ Row = dict[str, Any]
 Job = Mapping[str, Any]
 
 
-class CampaignError(Exception):
+class CampaignError(RuntimeError):
     """The campaign cannot run, or some of its jobs failed."""
 
 
@@ -107,6 +107,27 @@ class Campaign:
                 f"{len(failures)} of {len(jobs)} jobs failed; the same command tries them again\n"
                 + "\n".join(failures[:5])
             )
+        return self.gather(list(jobs))
+
+    def run_here(
+        self,
+        function: Callable[[Any], Sequence[Row] | pd.DataFrame],
+        jobs: Mapping[str, Any],
+        console: Console,
+    ) -> pd.DataFrame:
+        """The same in this process, one job after the other: for times that others would disturb.
+
+        Args:
+            function: Turns a job into rows.
+            jobs: By a name that is good for a file.
+            console: For the progress bar.
+        """
+        missing = [name for name in jobs if not self.has(name)]
+        if len(missing) < len(jobs):
+            console.print(f"{len(jobs) - len(missing)} of {len(jobs)} jobs are done already")
+        with _progress(console) as progress:
+            for name in progress.track(missing, description="jobs"):
+                self.keep(name, function(jobs[name]))
         return self.gather(list(jobs))
 
     def _part(self, name: str) -> Path:

@@ -12,11 +12,10 @@ import pandas as pd
 import typer
 from rich.console import Console
 
-from bench.common.campaign import Campaign, CampaignError, Job, Row, dask_client
+from bench.common.campaign import Campaign, Job, Row, dask_client
 from bench.common.peer_library import ROOT
 from bench.common.provenance import provenance
 from bench.common.whole_files import write_text
-from bench.ik.scenes.objects import SceneError
 
 console = Console(width=None if sys.stdout.isatty() else 160)
 
@@ -54,7 +53,7 @@ def plain_errors() -> Iterator[None]:
     errors = Console(stderr=True)
     try:
         yield
-    except (CampaignError, SceneError, RuntimeError) as error:
+    except RuntimeError as error:
         errors.print(f"[bold red]error:[/] {error}", highlight=False, soft_wrap=True)
         raise typer.Exit(1) from error
     except KeyboardInterrupt:

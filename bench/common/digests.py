@@ -47,12 +47,19 @@ def tool_digest() -> str:
 def code_digest(*folders: str) -> str:
     """The diagnosis that is installed and what folders of bench/sim2real make, in twelve digits.
 
-    What only tells of results may change while a campaign goes on.
+    The frame that they share counts with them. What only tells of results may change while a
+    campaign goes on.
     """
+    worlds = [WORLDS / folder for folder in ("frame", *folders)]
     files = [
         (f"{folder.name}/{path.relative_to(folder)}", path)
-        for folder in (Path(pdoik.__file__).parent / "sim2real", *(WORLDS / f for f in folders))
+        for folder in (Path(pdoik.__file__).parent / "sim2real", *worlds)
         for path in folder.rglob("*.py")
-        if folder.parent != WORLDS or not path.name.endswith(TELLING)
+        if folder not in worlds or not path.name.endswith(TELLING)
     ]
     return digest_of_files(files)[:12]
+
+
+def core_digest() -> str:
+    """Of the library's machine code: results of two builds are not to be mixed."""
+    return hashlib.sha256(Path(pdoik._core.__file__).read_bytes()).hexdigest()[:16]

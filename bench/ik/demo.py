@@ -9,7 +9,6 @@ that hold the whole scan. Solved is what plain NumPy finds at the target, within
 clear of every point of the scan.
 """
 
-import importlib.resources
 import os
 import time
 from collections.abc import Callable, Sequence
@@ -27,6 +26,7 @@ from rich.table import Table
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.common.descriptions import shipped
 from bench.ik.judges.recheck import UrdfChain, Verdict, recheck
 from bench.ik.scenes.objects import (
     ObjectModel,
@@ -144,9 +144,7 @@ def _run(
     if not len(robot.occupancy):
         raise ValueError(f"{name} has no hulls, so nothing could collide")
     solver = pdoik.Solver(robot, options)
-    urdf = importlib.resources.files("pdoik") / "robots" / f"{name}.urdf"
-    with importlib.resources.as_file(urdf) as file:
-        chain = UrdfChain(file, robot.joint_names)
+    chain = UrdfChain(shipped(name), robot.joint_names)
     solver.solve(robot.fk(robot.mid_configuration()))  # the first call pays for first touches
     columns = (TextColumn("{task.description:8}"), BarColumn(), MofNCompleteColumn())
     hidden = not console.is_terminal

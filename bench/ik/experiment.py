@@ -1,7 +1,6 @@
 """What the experiments share: arms, an independent judge, jobs, and methods taking turns."""
 
 import importlib
-import importlib.resources
 import subprocess
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ import numpy as np
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.commands import console, show, write_report
+from bench.common.descriptions import shipped
 from bench.common.peer_library import Peer, PeerSetup
 
 ARMS = ("panda", "ur10", "iiwa14")
@@ -35,11 +35,10 @@ class Arm:
 
         Without capsules nothing keeps it off itself by default, which peers do not do either.
         """
-        urdf = Path(str(importlib.resources.files("pdoik") / "robots" / f"{name}.urdf"))
         robot = pdoik.Robot.builtin(name)
         wide = robot.occupancy
         robot.occupancy = pdoik.Occupancy(spheres=wide.spheres, spheroids=wide.spheroids)
-        return cls(name=name, robot=robot, urdf=urdf)
+        return cls(name=name, robot=robot, urdf=shipped(name))
 
     @property
     def tip_link(self) -> str:

@@ -10,9 +10,9 @@ import typer
 
 from bench.common import commands
 from bench.common.campaign import Campaign, dask_client
+from bench.common.digests import core_digest
 from bench.ik.experiment import tell
-from bench.ik.safety.report import report
-from bench.ik.soak.__main__ import core_digest
+from bench.ik.lines import report
 
 
 def measure(

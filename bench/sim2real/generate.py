@@ -3,15 +3,17 @@
     python -m bench.sim2real.generate concealed --out DIR --seed 0 --count 20
     python -m bench.sim2real.generate concealed --out DIR --effect payload --robot panda
     python -m bench.sim2real.generate machines --out DIR --fault backlash --robot panda
+    python -m bench.sim2real.generate legged --out DIR --kind payload --background plain --robot go2
 
 DIR/studies/00000/ holds study.yaml, robot.urdf and recordings; DIR/truth/00000.json the answer.
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -20,8 +22,11 @@ from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.catalogue import EFFECTS, ways_of
 from bench.sim2real.concealed.effects_outside import KINDS
 from bench.sim2real.concealed.effects_sensor import LIES
-from bench.sim2real.concealed.robots import NAMES
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.robots import NAMES
+from bench.sim2real.legged.build import make_study as make_legged
+from bench.sim2real.legged.spec import BACKGROUNDS, HEALTHY, ROBOTS, draw
+from bench.sim2real.legged.spec import KINDS as LEGGED
 from bench.sim2real.machines import build
 from bench.sim2real.machines.kinds import KINDS as FAULTS
 from bench.sim2real.machines.plan import spec_of
@@ -33,6 +38,10 @@ Seed = Annotated[int, typer.Option(min=0, help="The first.")]
 Count = Annotated[int, typer.Option(min=1)]
 Robots = StrEnum("Robots", {name: name for name in NAMES})
 Robot = Annotated[Robots | None, typer.Option(help="Drawn without it.")]
+
+Legged = StrEnum("Legged", {name: name for name in ROBOTS})
+Backgrounds = StrEnum("Backgrounds", {name: name for name in BACKGROUNDS})
+Kinds = StrEnum("Kinds", {name: name for name in (HEALTHY, *LEGGED)})
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, help=__doc__)
 
@@ -56,13 +65,9 @@ def concealed(
         way = hide or str(rng.choice(ways_of(what) if what in EFFECTS else ("plain",)))
         arm = robot or str(rng.choice(NAMES))
         spec = WorldSpec(seed=each, effect=what, hide=way, robot=arm, size=size)
-        begin = time.perf_counter()
-        try:
-            truth = make_study(out / "studies" / f"{each:05d}", spec, out / "truth")
-        except ValueError as error:
-            raise typer.BadParameter(str(error)) from None
-        took = time.perf_counter() - begin
-        print(f"{each:05d} {what} {way} {arm} x{truth.size:.1f} {took:.1f} s", flush=True)
+        truth = _made(out, f"{each:05d}", make_study, spec)
+        if truth is not None:
+            print(f"{what} {way} {arm} x{truth.size:.1f}", flush=True)
 
 
 @app.command()
@@ -80,15 +85,43 @@ def machines(
             raise typer.BadParameter(f"fault is {fault!r}, expected one of {', '.join(FAULTS)}")
         faults = {"": spec.faults, "none": ()}.get(fault, (fault,))
         spec = replace(spec, faults=faults, robot=robot or spec.robot)
-        begin, names = time.perf_counter(), ", ".join(faults) or "none"
-        try:
-            truth = build.make_study(out / "studies" / f"{each:05d}", spec, out / "truth")
-        except RuntimeError as error:
-            print(f"{each:05d} {names} {spec.robot}: {error}", flush=True)
-            continue
-        seen = " ".join(f"x{one['most']:.1f}" for one in truth["visibility"])
-        made = f"{spec.robot} {truth['gear']} {truth['controller']} {seen}"
-        print(f"{each:05d} {names} {made} {time.perf_counter() - begin:.1f} s", flush=True)
+        truth = _made(out, f"{each:05d}", build.make_study, spec)
+        if truth is not None:
+            seen = " ".join(f"x{one['most']:.1f}" for one in truth["visibility"])
+            names = ", ".join(faults) or "none"
+            made = f"{spec.robot} {truth['gear']} {truth['controller']} {seen}"
+            print(f"{names} {made}", flush=True)
+
+
+@app.command()
+def legged(
+    out: Out,
+    seed: Seed = 0,
+    count: Count = 1,
+    robot: Annotated[Legged | None, typer.Option(help="Drawn without it.")] = None,
+    background: Annotated[Backgrounds | None, typer.Option(help="Drawn without it.")] = None,
+    kind: Annotated[Kinds | None, typer.Option(help="Drawn without it.")] = None,
+) -> None:
+    """Robots with a floating base."""
+    for each in range(seed, seed + count):
+        spec = draw(each, robot, background, kind)
+        world = _made(out, spec.name, make_legged, spec)
+        if world is not None:
+            print(f"{world.attempts} attempts", flush=True)
+
+
+def _made(out: Path, name: str, make: Callable[..., Any], spec: Any) -> Any:
+    """What a generator gives; None where no machine bears what is hidden."""
+    begin = time.perf_counter()
+    try:
+        result = make(out / "studies" / name, spec, out / "truth")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    except RuntimeError as error:
+        print(f"{name}: {error}", flush=True)
+        return None
+    print(f"{name} {time.perf_counter() - begin:.1f} s", end=" ", flush=True)
+    return result
 
 
 if __name__ == "__main__":

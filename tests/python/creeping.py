@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bench.sim2real.concealed.draft import Draft
-from bench.sim2real.concealed.motion import STEP, Motion
+from bench.sim2real.frame.motion import STEP, Motion
 
 SECONDS = 9.0
 

@@ -19,7 +19,7 @@ from bench.common.publish import PublishError, published
 REPOSITORY = Path(__file__).parents[2]
 SHARED = Path(os.environ.get("PDOIK_SHARED", REPOSITORY.parent / "shared"))
 READMES = sorted((REPOSITORY / "bench").rglob("README.md"))
-BY_PATH = {"bench.common.one", "bench.ik.clouds.trials"}  # parts of others, not for hands
+BY_PATH = {"bench.sim2real.frame.one", "bench.ik.clouds.trials"}  # parts of others, not for hands
 
 COMMANDS = sorted(
     ".".join(path.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__main__")
@@ -30,13 +30,12 @@ COMMANDS = sorted(
 SMALL = {  # what no other test runs
     "bench.ik.compare": "--targets 20 --scenes 3 --robot panda",
     "bench.ik.deadlines": "--quick --out {out} --robot panda --count 1000",
-    "bench.sim2real.diagnosis": "--quick --out {out} --workers 1",
     "bench.sim2real.diagnosis.visible": "--quick --out {out}",
-    "bench.sim2real.legged": "bench --out {out} --count 1 --robot go2 --background plain",
+    "bench.sim2real.legged": "--out {out} --count 1 --robot go2 --background plain",
     "bench.sim2real.loop": "--quick --out {out} --workers 1",
     "bench.sim2real.proof.peers_run": "--quick --out {out} --workers 1",
     "bench.sim2real.propose": "--quick --out {out}",
-    "bench.sim2real.simulators.sealed": "--out {out} --first 3 --pairs 1",
+    "bench.sim2real.simulators.sealed": "--out {out} --seed 3 --count 1",
 }
 
 

@@ -26,7 +26,7 @@ from bench.sim2real.legged.spec import (  # noqa: E402
     KINDS,
     Spec,
     draw,
-    plan,
+    specs_of,
 )
 
 go2 = pytest.param("go2", marks=pytest.mark.skipif(not has_go2(), reason="no example-robot-data"))
@@ -111,9 +111,9 @@ def test_the_truth_is_elsewhere(tmp_path: Path) -> None:
     spec = Spec(seed=5, robot="h1", kind="payload", seconds=1.0)
     folder = tmp_path / "studies" / spec.name
     with pytest.raises(ValueError, match="outside"):
-        build.make_study(folder, spec, folder / "truth.json")
-    build.make_study(folder, spec, tmp_path / "truth.json")
-    truth = json.loads((tmp_path / "truth.json").read_text())
+        build.make_study(folder, spec, folder / "truth")
+    build.make_study(folder, spec, tmp_path / "truth")
+    truth = json.loads((tmp_path / "truth" / f"{spec.name}.json").read_text())
     assert truth["effects"][0]["effect"] == "payload"
     text = "".join(path.read_text() for path in folder.iterdir())
     assert "payload" not in text
@@ -168,7 +168,7 @@ def test_a_tilted_imu_and_a_soft_foot_are_felt() -> None:
 
 
 def test_a_campaign_has_every_kind_and_healthy_machines() -> None:
-    specs = list(plan(0, 88).values())
+    specs = list(specs_of(0, 88).values())
     for sort in {(s.robot, s.background) for s in specs}:
         kinds = [s.kind for s in specs if (s.robot, s.background) == sort]
         assert set(kinds) == {HEALTHY, *KINDS}

@@ -11,8 +11,8 @@ import pytest
 pytest.importorskip("numba")
 pin = pytest.importorskip("pinocchio")
 
-from bench.sim2real.concealed.arm import urdf  # noqa: E402
-from bench.sim2real.concealed.robots import robot  # noqa: E402
+from bench.sim2real.frame.arm import urdf  # noqa: E402
+from bench.sim2real.frame.robots import robot  # noqa: E402
 from bench.sim2real.machines import build, kinds  # noqa: E402
 from bench.sim2real.machines.background import in_background  # noqa: E402
 from bench.sim2real.machines.chain import bodies_in_base, chain_of, mass_matrix, poses  # noqa: E402

@@ -15,8 +15,8 @@ pytest.importorskip("pinocchio")
 from bench.sim2real.concealed.build import drawn, make_study
 from bench.sim2real.concealed.catalogue import EFFECTS, campaign, ways_of
 from bench.sim2real.concealed.draft import draft_of
-from bench.sim2real.concealed.robots import NAMES, robot
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.robots import NAMES, robot
 
 
 def test_the_same_spec_gives_the_same_bytes(tmp_path: Path) -> None:

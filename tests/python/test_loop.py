@@ -14,9 +14,9 @@ import pinocchio as pin
 
 import pdoik
 from bench.ik.judges.recheck import spheroid_distance
-from bench.sim2real.concealed.arm import urdf
-from bench.sim2real.concealed.motion import STEP
-from bench.sim2real.concealed.study_files import joint_names
+from bench.sim2real.frame.arm import urdf
+from bench.sim2real.frame.motion import STEP
+from bench.sim2real.frame.study_files import joint_names
 from bench.sim2real.loop.cell import Cell, Clearance, Shape
 from bench.sim2real.loop.feed_forward import commands
 from bench.sim2real.loop.path import CLEARANCE

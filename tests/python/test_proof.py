@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,13 @@ pytest.importorskip("dask")
 pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
-from bench.common import blind as diagnose
 from bench.common import campaign
-from bench.common import sealed as sealing
 from bench.common.campaign import CampaignError
-from bench.common.sealed import SEALED, STUDIES
 from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
+from bench.sim2real.frame import blind as diagnose
+from bench.sim2real.frame import sealed as sealing
+from bench.sim2real.frame.score import as_diagnosis
+from bench.sim2real.frame.sealed import SEALED, STUDIES
 from bench.sim2real.proof import plan as plan_module
 from bench.sim2real.proof import run
 from bench.sim2real.proof.plan import QUICK, Plan, plan
@@ -133,9 +134,9 @@ def test_a_world_that_cannot_be_made_is_left_out_and_said(
     def fails(*arguments: object) -> None:
         raise RuntimeError("no arm came through")
 
-    monkeypatch.setattr(run, "make_study", fails)
-    monkeypatch.setattr(run, "generator_digest", lambda: "g")
-    job = {"out": str(tmp_path), "generator": "g", "room": run.Run.room, "name": "study0001"}
+    monkeypatch.setattr(run, "ROOM", replace(run.ROOM, make_study=fails))
+    job = {"out": str(tmp_path), "generator": run.ROOM.generator(), "room": run.__name__}
+    job["name"] = "study0001"
     job |= {"spec": asdict(WorldSpec(seed=1))}
     (row,) = sealing.conceal(job)
     assert row["not_made"] == "no arm came through"
@@ -258,7 +259,7 @@ def test_a_crash_or_a_timeout_is_a_result(
     monkeypatch.setattr(diagnose, "ONE", tmp_path / "one.py")
     result = diagnose.blind(tmp_path / "study", longest)
     assert result["error"] == said
-    assert diagnose.as_diagnosis(result)["verdict"] == f"error: {said}"
+    assert as_diagnosis(result)["verdict"] == f"error: {said}"
 
 
 # All of it, in small

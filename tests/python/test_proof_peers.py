@@ -15,10 +15,10 @@ pytest.importorskip("pandas")
 import mujoco
 import pandas as pd
 
-from bench.sim2real.concealed.arm import read_chain
 from bench.sim2real.concealed.beyond import CONDITIONS, make_beyond
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.arm import read_chain
 from bench.sim2real.proof import peers_replays, peers_report, peers_study, peers_trajectories
 from bench.sim2real.proof.peers_study import COLUMNS, METHODS, Case, affected
 

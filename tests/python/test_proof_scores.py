@@ -15,8 +15,8 @@ pytest.importorskip("dask")
 pytest.importorskip("pyarrow")
 pytest.importorskip("matplotlib")
 
-from bench.common.sealed import append_record, record
-from bench.sim2real.diagnosis.score import scores
+from bench.sim2real.concealed.score import scores
+from bench.sim2real.frame.sealed import append_record, record
 from bench.sim2real.proof import confusion, failures, reach, run
 from bench.sim2real.proof.score import score
 
@@ -287,8 +287,8 @@ def test_poor_motion_is_answered_by_the_name_or_by_saying_that_it_cannot_be_told
         assert row["listed_or_right"] is (answer != "wrong")
 
 
-def test_the_small_proof_scores_by_the_same_rules() -> None:
-    truth = SimpleNamespace(effects=[hidden("payload", links=("link3",))], joints=("a", "b", "c"))
+def test_a_payload_is_found_at_the_last_link() -> None:
+    truth = {"effects": [hidden("payload", links=("link3",))], "joints": ["a", "b", "c"]}
     said = {"verdict": "", "findings": [found("payload", links=("link3",))], "joints": {}}
     row = scores(truth, said)
     assert row["named"]

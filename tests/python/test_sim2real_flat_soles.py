@@ -23,7 +23,7 @@ PITCHES = (2, 3, 4)  # hip, knee and ankle of a leg; hips that roll and yaw hard
 
 def test_what_presses_a_flat_sole_follows_from_the_torques(tmp_path: Path) -> None:
     folder = tmp_path / "study"
-    world = make_study(folder, Spec(seed=3, robot="h1", seconds=4.0), tmp_path / "truth.json")
+    world = make_study(folder, Spec(seed=3, robot="h1", seconds=4.0))
     motion, rows = prepare(load_study(folder / "study.yaml")).fit.motions[0], world.rows[0]
     assert motion.base is not None
     R = motion.base.rotation

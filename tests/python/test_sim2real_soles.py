@@ -30,8 +30,8 @@ def inclined(tmp_path_factory: pytest.TempPathFactory) -> tuple[Prepared, dict[s
     """An H1 that stands on a slope, and which."""
     folder = tmp_path_factory.mktemp("inclined")
     spec = Spec(seed=22, robot="h1", kind="ground_slope", seconds=3.0)
-    build.make_study(folder / "study", spec, folder / "truth.json")
-    (effect,) = json.loads((folder / "truth.json").read_text())["effects"]
+    build.make_study(folder / "study", spec, folder / "truth")
+    (effect,) = json.loads((folder / "truth" / "study.json").read_text())["effects"]
     return prepare(load_study(folder / "study" / "study.yaml")), effect["parameters"]
 
 

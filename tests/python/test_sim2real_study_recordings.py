@@ -45,12 +45,11 @@ def description(folder: str, home: Path) -> Path:
     elif folder == "panda_unisa":
         path.write_text((ROBOTS / "panda.urdf").read_text().replace("panda_joint", "fer_joint"))
     elif folder == "go2_hanging":
-        arm_meshes = pytest.importorskip(
-            "bench.ik.judges.arm_meshes", reason="the extra bench is not installed"
-        )
+        from bench.common.descriptions import MissingDescriptionError, go2_urdf
+
         try:
-            path.write_text(arm_meshes.go2_urdf().read_text())
-        except (arm_meshes.MissingDescriptionError, OSError) as error:
+            path.write_text(go2_urdf().read_text())
+        except (MissingDescriptionError, OSError) as error:
             pytest.skip(f"the extra bench is not installed: {error}")
     else:
         names = {

@@ -12,12 +12,12 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import pandas as pd
 import typer
-from rich.progress import track
 
 from bench.common import commands
 from bench.common.campaign import Campaign
@@ -113,12 +113,7 @@ def measured(
     campaign: Campaign, jobs: Mapping[str, Mapping[str, Any]], processor: int
 ) -> pd.DataFrame:
     """The rows of all jobs, run where they are not there yet."""
-    left = [name for name in jobs if not campaign.has(name)]
-    if len(left) < len(jobs):
-        commands.console.print(f"{len(jobs) - len(left)} of {len(jobs)} jobs are done already")
-    for name in track(left, "jobs", console=commands.console, transient=True):
-        campaign.keep(name, fresh_process(jobs[name], processor))
-    return campaign.gather(list(jobs))
+    return campaign.run_here(partial(fresh_process, processor=processor), jobs, commands.console)
 
 
 def fresh_process(job: Mapping[str, Any], processor: int) -> list[dict[str, Any]]:

@@ -1,6 +1,7 @@
 """dq_dT beside central differences of solving again from the answer."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.goals.world import random_in
-from bench.ik.safety.report import Jobs, Line
+from bench.ik.lines import Line, jobs_of
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 4)  # jobs
@@ -20,13 +21,7 @@ SINGULAR = 0.02  # what is nearer to a singularity is left out [m]
 ASKED = 1e-6
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """Answers of two arms."""
-    return {
-        f"{k:03d}-{name}": {"index": k, "seed": seed, "robot": name}
-        for k in range(size)
-        for name in ("panda", "ur10")
-    }
+jobs = partial(jobs_of, robot=("panda", "ur10"))
 
 
 def run_job(job: Mapping[str, Any]) -> list[Row]:

@@ -5,6 +5,7 @@ equation, each from a random configuration that meets it.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
 from bench.ik.goals.world import POSITION, angle, interbotix, model_file, quantiles
-from bench.ik.safety.report import Jobs, Line, share
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 100)  # jobs
@@ -26,13 +27,7 @@ NEAR = 0.01  # share of the least error that one may have more
 ROBOTS = ("SO-101", "WX250")
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """Poses of each arm."""
-    return {
-        f"{k:03d}-{name}": {"index": k, "seed": seed, "robot": name}
-        for k in range(size)
-        for name in ROBOTS
-    }
+jobs = partial(jobs_of, robot=ROBOTS)
 
 
 def description(name: str) -> str:

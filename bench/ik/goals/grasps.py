@@ -14,17 +14,10 @@ from scipy.spatial.transform import Rotation
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.common.descriptions import shipped
 from bench.common.intervals import duration
-from bench.ik.goals.world import (
-    POSITION,
-    ROTATION,
-    Kinematics,
-    PointJudge,
-    angle,
-    quantiles,
-    shipped,
-)
-from bench.ik.safety.report import Jobs, Line, share
+from bench.ik.goals.world import POSITION, ROTATION, Kinematics, PointJudge, angle, quantiles
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.soak.solves import Row
 
 SIZES = (2, 10)  # scenes
@@ -32,9 +25,7 @@ GRASPS, POINTS, ASKED = 64, 150, 3.0
 KINDS = ("about one object", "far")
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """A scene each."""
-    return {f"{k:03d}": {"index": k, "seed": seed} for k in range(size)}
+jobs = jobs_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from typing import Any
 
@@ -11,16 +12,10 @@ from scipy.spatial.transform import Rotation
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.common.descriptions import shipped
 from bench.common.intervals import duration
-from bench.ik.goals.world import (
-    Kinematics,
-    angle,
-    model_file,
-    quantiles,
-    random_in,
-    shipped,
-)
-from bench.ik.safety.report import Jobs, Line, share
+from bench.ik.goals.world import Kinematics, angle, model_file, quantiles, random_in
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.soak.solves import Row
 
 SIZES = (2, 20)  # jobs
@@ -30,13 +25,7 @@ ROBOTS = ("two FR3", "H1")
 TABLE = -0.05  # its top [m]
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """Boxes for each robot."""
-    return {
-        f"{k:03d}-{name.replace(' ', '_')}": {"index": k, "seed": seed, "robot": name}
-        for k in range(size)
-        for name in ROBOTS
-    }
+jobs = partial(jobs_of, robot=ROBOTS)
 
 
 def two_arms() -> tuple[pdoik.Robot, str, tuple[str, str], dict[str, Any]]:

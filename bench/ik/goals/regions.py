@@ -1,6 +1,7 @@
 """A free tool axis, a tilt, a line, a plane, a look: solved of those that can be, beside a pose."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,10 @@ import pandas as pd
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.common.descriptions import shipped
 from bench.common.intervals import duration
-from bench.ik.goals.world import Kinematics, angle, quantiles, random_in, shipped
-from bench.ik.safety.report import Jobs, Line, share
+from bench.ik.goals.world import Kinematics, angle, quantiles, random_in
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.soak.solves import Row
 
 SIZES = (2, 20)  # jobs
@@ -21,13 +23,7 @@ KINDS = ("pose", "free axis", "tilt of 5 degrees", "line", "plane", "look")
 NEAR = 1e-5 + 1e-9
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """Targets for an arm of six joints and one of seven."""
-    return {
-        f"{k:03d}-{name}": {"index": k, "seed": seed, "robot": name}
-        for k in range(size)
-        for name in ("panda", "ur10")
-    }
+jobs = partial(jobs_of, robot=("panda", "ur10"))
 
 
 def goal_of(kind: str, T: FloatArray) -> pdoik.Goal:

@@ -14,6 +14,7 @@ import pandas as pd
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.common.descriptions import shipped
 from bench.common.intervals import duration
 from bench.ik.goals.world import (
     POSITION,
@@ -23,9 +24,8 @@ from bench.ik.goals.world import (
     angle,
     quantiles,
     random_in,
-    shipped,
 )
-from bench.ik.safety.report import Jobs, Line, share
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.soak.solves import Row
 
 SIZES = (2, 20)  # jobs
@@ -37,9 +37,7 @@ OBJECTS, ON_EACH = 9, 40
 ASKED = {"free": 100e-6, "among objects": 300e-6, "panda": 1e-3}
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """Some poses each."""
-    return {f"{k:03d}": {"index": k, "seed": seed} for k in range(size)}
+jobs = jobs_of
 
 
 def nine_objects(rng: np.random.Generator) -> FloatArray:

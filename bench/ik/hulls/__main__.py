@@ -20,7 +20,15 @@ from bench.common.grouped import grouped_table, mean, time_at
 from bench.common.intervals import share
 from bench.ik.experiment import ARMS, Arm, blocks, tell
 from bench.ik.hulls.fits import hull_stages
-from bench.ik.hulls.trials import BASE_LEFT_OUT, CLOUDS, HULLS, OBJECTS, SHIPPED, run_block
+from bench.ik.hulls.trials import (
+    BASE_LEFT_OUT,
+    CAPSULES,
+    CLOUDS,
+    HULLS,
+    OBJECTS,
+    SHIPPED,
+    run_block,
+)
 from bench.ik.pictures import plt, save, title_and_legend
 
 BLOCK = 10
@@ -38,7 +46,8 @@ def main(
     """Find how many hulls are worth having."""
     hulls = HULLS
     if quick:
-        scenarios, hulls, out = 10, (SHIPPED, BASE_LEFT_OUT), out.with_name(out.name + "-quick")
+        scenarios, hulls = 10, (SHIPPED, BASE_LEFT_OUT, CAPSULES)
+        out = out.with_name(out.name + "-quick")
     common = {"ycb": commands.setting_of(ycb), "seed": seed, "hulls": list(hulls)}
     settings = {
         "experiment": "hulls",
@@ -89,7 +98,7 @@ def hull_table(trials: pd.DataFrame) -> str:
 def draw(trials: pd.DataFrame, path: Path, title: str) -> None:
     """Collisions, lost scenes and time against the number of hulls, a line per cloud."""
     figure, axes = plt.subplots(3, len(ARMS), figsize=(4 * len(ARMS), 8), squeeze=False)
-    counted = trials[trials.hulls != BASE_LEFT_OUT]
+    counted = trials[~trials.hulls.isin([BASE_LEFT_OUT, CAPSULES])]
     for column, robot in zip(axes.T, ARMS, strict=True):
         of_arm = counted[counted.robot == robot]
         for (leaf, kind), some in of_arm.groupby(["leaf", "kind"], sort=False):

@@ -8,22 +8,19 @@ judged by coal on the published collision meshes.
 """
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, Self
+from typing import Annotated
 
 import numpy as np
 import typer
 from scipy.spatial.transform import Rotation
 
 import pdoik
-from bench.common.arrays import FloatArray
 from bench.common.markdown import markdown_table
-from bench.ik.experiment import ARMS, Arm
-from bench.ik.judges.arm_meshes import arm_meshes
-from bench.ik.judges.meshes import Body, MeshJudge, self_judge
+from bench.ik.experiment import ARMS
+from bench.ik.judges.meshes import Body
 from bench.ik.problems.solids import Solid
+from bench.ik.scenes.around import itself_judge, mesh_judge
 
 Robot = StrEnum("Robot", ARMS)
 BOXES = 9
@@ -42,24 +39,6 @@ COLUMNS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Judges:
-    """Coal on the meshes of an arm."""
-
-    touches_itself: Callable[[FloatArray], bool]
-    meshes: MeshJudge
-
-    @classmethod
-    def of(cls, name: str) -> Self:
-        """Of a shipped one."""
-        arm = Arm.builtin(name)
-        return cls(self_judge(arm.robot, arm_meshes(arm)), MeshJudge(arm))
-
-    def touches(self, q: FloatArray, bodies: list[Body]) -> bool:
-        """Whether a link meets one of these."""
-        return self.meshes.collision(q, bodies) is not None
-
-
 def main(
     robots: Annotated[list[Robot] | None, typer.Argument(help="Which; all by default.")] = None,
     count: Annotated[int, typer.Option(min=1, help="Problems of each kind.")] = 240,
@@ -68,14 +47,14 @@ def main(
     """Print the table."""
     rows = []
     for robot in robots or list(Robot):
-        judges, own = Judges.of(robot), pdoik.Robot.builtin(robot)
+        own = pdoik.Robot.builtin(robot)
         solvers = {
             "pieces": pdoik.Solver(own),
             "capsules": pdoik.Solver(own, pdoik.Options(exact_contact=False)),
         }
         for kind, spread in SPREADS.items():
             rng = np.random.default_rng(seed)
-            outcomes = [_problem(solvers, judges, kind, spread, rng) for _ in range(count)]
+            outcomes = [_problem(solvers, robot, kind, spread, rng) for _ in range(count)]
             for name in solvers:
                 times = np.array([outcome[name][2] for outcome in outcomes])
                 ratio = times / np.array([outcome["capsules"][2] for outcome in outcomes])
@@ -96,16 +75,16 @@ def main(
 
 def _problem(
     solvers: dict[str, pdoik.Solver],
-    judges: Judges,
+    arm: str,
     kind: str,
     spread: float,
     rng: np.random.Generator,
 ) -> dict[str, tuple[bool, bool, float]]:
     """Of each solver: whether it solved, whether wrongly, and its least time [s]."""
-    robot = solvers["pieces"].robot
+    robot, meshes, touches_itself = solvers["pieces"].robot, mesh_judge(arm), itself_judge(arm)
     while True:
         q = rng.uniform(robot.lower, robot.upper)
-        if not judges.touches_itself(q):
+        if not touches_itself(q):
             break
     solids: list[Solid] = []
     bodies: list[Body] = []
@@ -116,7 +95,7 @@ def _problem(
         T[:3, 3] = robot.fk(q, link)[:3, 3] + rng.normal(0, spread, 3)
         solid = Solid(f"box {len(solids)}", "box", tuple(rng.uniform(0.03, 0.15, 3)), T)
         body = Body.of(solid.name, np.asarray(solid.surface().triangles))
-        if not judges.touches(q, [body]):
+        if meshes.collision(q, [body]) is None:
             solids.append(solid)
             bodies.append(body)
     obstacles: object = [pdoik.Shape.box(s.name, s.size, s.T) for s in solids]
@@ -130,7 +109,7 @@ def _problem(
             result = solver.solve(robot.fk(q), obstacles=obstacles)
             taken = time.perf_counter() - begun
             wrong = result.success and (
-                judges.touches(result.q, bodies) or judges.touches_itself(result.q)
+                meshes.collision(result.q, bodies) is not None or touches_itself(result.q)
             )
             before = found.get(name, (False, False, np.inf))
             found[name] = (result.success, wrong, min(before[2], taken))

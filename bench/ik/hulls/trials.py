@@ -21,7 +21,8 @@ from bench.ik.scenes.around import (
 OBJECTS = 9
 SHIPPED = "shipped"
 BASE_LEFT_OUT = "shipped, base not counted"
-HULLS: tuple[int | str, ...] = (1, 2, 3, 4, SHIPPED, BASE_LEFT_OUT)  # most per link
+CAPSULES = "shipped, capsules"  # within the hulls that `shipped` has; self-collision is off
+HULLS: tuple[int | str, ...] = (1, 2, 3, 4, SHIPPED, BASE_LEFT_OUT, CAPSULES)  # most per link
 CLOUDS = (  # leaf [m], whether points get covering radii, growth of the radii [m]
     (0.1, False, 0.0),
     (0.05, False, 0.0),
@@ -80,12 +81,15 @@ def _solver(robot: str, hulls: int | str, fits: str) -> pdoik.Solver:
     arm = Arm.builtin(robot)
     if isinstance(hulls, int):
         arm.robot.occupancy = occupancy(hull_stages(arm, Path(fits)), hulls)
+    elif hulls == CAPSULES:
+        arm.robot.occupancy = pdoik.Robot.builtin(robot).occupancy
     options = pdoik.Options(
         goal="axis",
         position_tolerance=0.01,
         rotation_tolerance=0.01,
         max_time=0.1,
         base_collision=hulls != BASE_LEFT_OUT,
+        self_collision=False,
         max_obstacles=16384,
     )
     return pdoik.Solver(arm.robot, options)

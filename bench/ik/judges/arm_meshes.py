@@ -7,7 +7,6 @@ by a constant transform.
 
 import importlib.util
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,14 +14,11 @@ import numpy as np
 import pinocchio
 
 from bench.common.arrays import FloatArray, moved
+from bench.common.descriptions import MissingDescriptionError, example_robot_data
 from bench.ik.experiment import Arm
 from pdoik.occupancy_fit.geometry import load_geometry
 
 UR = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
-
-
-class MissingDescriptionError(Exception):
-    """The Python package that holds a description is not installed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,24 +82,6 @@ def public_robot(name: str, folder: Path) -> PublicRobot:
         }[name]
         urdf = share / "example-robot-data/robots" / urdf
     return PublicRobot(xml=urdf.read_text("utf-8"), package_dirs=[share], links=links)
-
-
-def example_robot_data() -> Path:
-    """The folder of its package:// addresses; the wheel has data only, no module to import."""
-    try:
-        share = Path(str(distribution("example-robot-data").locate_file("cmeel.prefix/share")))
-    except PackageNotFoundError:
-        raise MissingDescriptionError("needs the Python package example-robot-data") from None
-    if not (share / "example-robot-data").is_dir():
-        raise MissingDescriptionError(
-            f"example-robot-data is installed, but not as a wheel: no {share}"
-        )
-    return share
-
-
-def go2_urdf() -> Path:
-    """Unitree's Go2 of example-robot-data."""
-    return example_robot_data() / "example-robot-data/robots/go2_description/urdf/go2.urdf"
 
 
 def _rtbdata() -> Path:

@@ -7,7 +7,7 @@ import numpy as np
 
 import pdoik
 from bench.common.arrays import FloatArray
-from bench.ik.safety.report import Jobs
+from bench.ik.lines import Jobs
 from bench.ik.safety.world import ARMS, judge_of
 from bench.ik.soak.hulls import capsules
 

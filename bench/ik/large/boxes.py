@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from bench.ik.large.arms import (
     jobs_of,
     placed_capsules,
 )
-from bench.ik.safety.report import Jobs, Line
+from bench.ik.lines import Line
 from bench.ik.safety.world import ARMS, Box, box_gap
 from bench.ik.soak.solves import Row
 
@@ -30,9 +31,7 @@ STEPS, STRIDE = 250, 0.001  # [m]
 JUDGED = 25  # steps to one that coal looks at
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """All numbers of boxes."""
-    return jobs_of(COUNTS, size, seed)
+jobs = partial(jobs_of, COUNTS)
 
 
 def random_boxes(rng: np.random.Generator, count: int) -> list[pdoik.Shape]:

@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
 from bench.ik.large.arms import TOUCHES, fastest, free_configurations, jobs_of
 from bench.ik.large.boxes import CLEAR, depth, near_boxes, push, random_boxes
-from bench.ik.safety.report import Jobs, Line
+from bench.ik.lines import Line
 from bench.ik.safety.world import ARMS
 from bench.ik.soak.solves import Row
 
@@ -23,9 +24,7 @@ LOW, WIDE, FEW = np.array([-1.0, -1.0, -0.6]), 2.0, 10  # of the grid [m]; boxes
 MARGIN = 0.3  # [m]
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """All numbers of cells."""
-    return jobs_of(COUNTS, size, seed)
+jobs = partial(jobs_of, COUNTS)
 
 
 def sampled(boxes: list[pdoik.Shape], count: int) -> np.ndarray:

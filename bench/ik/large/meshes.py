@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from bench.ik.large.arms import (
     placed_capsules,
 )
 from bench.ik.large.boxes import clear_boxes
-from bench.ik.safety.report import Jobs, Line
+from bench.ik.lines import Line
 from bench.ik.safety.world import ARMS, to_solid
 from bench.ik.soak.solves import Row
 
@@ -29,9 +30,7 @@ WIDE, DEEP, CLEAR = 3.0, 0.2, 0.02  # [m]
 FEW = 10  # boxes that it is compared with
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """All numbers of triangles."""
-    return jobs_of(COUNTS, size, seed)
+jobs = partial(jobs_of, COUNTS)
 
 
 def hills(rng: np.random.Generator, triangles: int) -> tuple[FloatArray, Any]:

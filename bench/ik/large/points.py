@@ -1,6 +1,7 @@
 """Ever more points of one table with things on it: a solve over one among 136 of them."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
 from bench.ik.large.arms import fastest, free_configurations, jobs_of
-from bench.ik.safety.report import Jobs, Line
+from bench.ik.lines import Line
 from bench.ik.safety.world import ARMS
 from bench.ik.soak.solves import Row
 
@@ -18,9 +19,7 @@ SIZES = (20, 100)
 COUNTS = (136, 10_000, 100_000)
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """All numbers of points."""
-    return jobs_of(COUNTS, size, seed)
+jobs = partial(jobs_of, COUNTS)
 
 
 def table(rng: np.random.Generator, count: int) -> FloatArray:

@@ -2,11 +2,11 @@
 
 import re
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import pdoik
-from bench.ik.safety.report import Jobs
+from bench.ik.lines import jobs_of
 from bench.ik.soak.judge import Judge
 from bench.ik.soak.robots import RobotSpec, builtin_spec
 
@@ -27,13 +27,7 @@ _TORSO = """
 </robot>"""
 
 
-def by_arm(size: int, seed: int) -> Jobs:
-    """Jobs of so many indices, each of all curves of an arm."""
-    return {
-        f"{k:03d}-{arm}": {"index": k, "seed": seed, "arm": arm}
-        for k in range(size)
-        for arm in ARMS
-    }
+by_arm = partial(jobs_of, arm=ARMS)
 
 
 class Place(NamedTuple):

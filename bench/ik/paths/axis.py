@@ -9,13 +9,13 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from bench.common.arrays import FloatArray
+from bench.ik.lines import Line
 from bench.ik.paths.arms import ARMS, PLACES, by_arm
 from bench.ik.paths.curves import CURVES, stations
 from bench.ik.paths.placing import COUNTS, placed, somewhere, tool
 from bench.ik.paths.problem import Problem
 from bench.ik.paths.runs import run_or_refer, solved, stepped, timed, worst
 from bench.ik.paths.solids import Solid, World, box, cylinder, frame
-from bench.ik.safety.report import Line
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 8)  # of each curve and arm

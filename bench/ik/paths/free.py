@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bench.ik.lines import Line
 from bench.ik.paths.arms import ARMS, PLACES, by_arm
 from bench.ik.paths.curves import CURVES, stations
 from bench.ik.paths.placing import COUNTS, placed, somewhere, tool
 from bench.ik.paths.problem import Problem
 from bench.ik.paths.runs import run_or_refer, solved, stepped, timed, worst
-from bench.ik.safety.report import Line
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 12)  # of each curve and arm

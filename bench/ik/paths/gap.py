@@ -1,6 +1,7 @@
 """Straight ways where there is little room: between two cubes, and through a gap in a wall."""
 
 from collections.abc import Mapping
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -9,12 +10,12 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from bench.common.arrays import FloatArray
+from bench.ik.lines import Line, jobs_of
 from bench.ik.paths.arms import ARMS, PLACES
 from bench.ik.paths.placing import facing, placed, tool
 from bench.ik.paths.problem import Problem
 from bench.ik.paths.runs import run_or_refer, solved, stepped, timed, worst
 from bench.ik.paths.solids import Solid, World, box, frame
-from bench.ik.safety.report import Jobs, Line
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 15)  # of each kind, arm and goal
@@ -29,13 +30,7 @@ WALLS = {  # how far they are from the base [m]
 }
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """An arm's."""
-    return {
-        f"{k:03d}-{arm}": {"index": k, "seed": seed, "arm": arm}
-        for k in range(size)
-        for arm in ARMS
-    }
+jobs = partial(jobs_of, arm=ARMS)
 
 
 def draw(arm: str, kind: str, goal: str, index: int, seed: int) -> Problem:

@@ -6,6 +6,7 @@ proved, but three turns in place are more than their wrists have).
 """
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,13 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from bench.common.intervals import duration
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.paths.arms import ARMS, PLACES
 from bench.ik.paths.placing import facing, tool
 from bench.ik.paths.problem import Problem
 from bench.ik.paths.runs import row_of
 from bench.ik.paths.sampling import search
 from bench.ik.paths.solids import Solid, World, box
-from bench.ik.safety.report import Jobs, Line, share
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 10)  # of each kind and arm
@@ -30,13 +31,7 @@ SEARCH = 2.0  # how far a motion may get [s]
 BEFORE = 3  # stations before that, at which an end is still at the place
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """An arm's."""
-    return {
-        f"{k:03d}-{arm}": {"index": k, "seed": seed, "arm": arm}
-        for k in range(size)
-        for arm in ARMS
-    }
+jobs = partial(jobs_of, arm=ARMS)
 
 
 def draw(arm: str, kind: str, index: int, seed: int) -> tuple[Problem, float]:

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bench.ik.lines import Jobs, Line, jobs_of, share
 from bench.ik.paths import axis, free
 from bench.ik.paths.arms import ARMS
 from bench.ik.paths.curves import CURVES
 from bench.ik.paths.runs import row_of
 from bench.ik.paths.sampling import search
-from bench.ik.safety.report import Jobs, Line, share
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 8)  # curves of each arm and row
@@ -23,18 +23,9 @@ FIRST = 100  # no problem is another row's
 
 def jobs(size: int, seed: int) -> Jobs:
     """A search each."""
-    return {
-        f"{k:03d}-{row}-{arm}": {
-            "index": k,
-            "seed": seed,
-            "arm": arm,
-            "row": row,
-            "search": TIMES[size > SIZES[0]],
-        }
-        for k in range(size)
-        for row in DRAW
-        for arm in ARMS
-    }
+    search = TIMES[size > SIZES[0]]
+    every = jobs_of(size, seed, row=DRAW, arm=ARMS)
+    return {name: {**job, "search": search} for name, job in every.items()}
 
 
 def run_job(job: Mapping[str, Any]) -> list[Row]:

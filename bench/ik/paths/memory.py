@@ -12,12 +12,12 @@ import pdoik
 from bench.common.intervals import duration
 from bench.common.peer_library import ROOT
 from bench.ik.experiment import output_of
+from bench.ik.lines import Jobs, Line
 from bench.ik.paths.arms import ARMS, PLACES
 from bench.ik.paths.curves import flat, polyline, stations
 from bench.ik.paths.placing import placed, somewhere, tool
 from bench.ik.paths.problem import Problem
 from bench.ik.paths.solids import Solid, World, frame
-from bench.ik.safety.report import Jobs, Line
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 4)  # of each arm, goals by turns

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from time import process_time
 from typing import Any
 
@@ -11,11 +12,11 @@ import pandas as pd
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.paths.arms import robot_of
 from bench.ik.paths.judge import contacts_between, faults_of_move
 from bench.ik.paths.rooms import ROOMS
 from bench.ik.paths.solids import World, frame
-from bench.ik.safety.report import Jobs, Line, share
 from bench.ik.soak.solves import Row
 
 SIZES = (1, 10)  # jobs of each kind
@@ -36,13 +37,7 @@ class Move:
     q_to: FloatArray
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """Some of each kind."""
-    return {
-        f"{k:03d}-{kind.replace(' ', '_')}": {"index": k, "seed": seed, "kind": kind}
-        for k in range(size)
-        for kind in ROOMS
-    }
+jobs = partial(jobs_of, kind=ROOMS)
 
 
 def draw(kind: str, index: int, seed: int) -> Move:

@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 
 from bench.common.intervals import duration
+from bench.ik.lines import Line, share
 from bench.ik.paths.judge import SAID_STEP, faults_of_move, judged
 from bench.ik.paths.problem import Problem
 from bench.ik.paths.sampling import search
-from bench.ik.safety.report import Line, share
 from bench.ik.soak.solves import Row
 
 SAID = 1e-6  # by so much figures may differ from what they are said to be

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.common.arrays import FloatArray
-from bench.ik.judges.arm_meshes import example_robot_data
+from bench.common.descriptions import example_robot_data
 
 Meshes = Literal["visual", "collision"]
 

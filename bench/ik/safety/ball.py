@@ -10,7 +10,7 @@ import pandas as pd
 import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.judges.distances import to_segment
-from bench.ik.safety.report import Jobs, Line, millimetres
+from bench.ik.lines import Jobs, Line, millimetres
 from bench.ik.safety.world import PERIOD, UNHURRIED, judge_of, pose_of, robot_of
 from bench.ik.soak.judge import Judge
 from bench.ik.soak.solves import Row

@@ -8,7 +8,7 @@ import pandas as pd
 
 import pdoik
 from bench.common.arrays import BoolArray, FloatArray
-from bench.ik.safety.report import Jobs, Line
+from bench.ik.lines import Jobs, Line
 from bench.ik.safety.world import ARMS, KEPT, PERIOD, ROUNDING, Box, box_gap, judge_of, robot_of
 from bench.ik.soak.hulls import capsules
 from bench.ik.soak.judge import Judge, random_configurations

@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 
 from bench.common.intervals import duration
+from bench.ik.lines import Jobs, Line
 from bench.ik.safety import ball
-from bench.ik.safety.report import Jobs, Line
 from bench.ik.safety.world import UNHURRIED, judge_of
 from bench.ik.soak.solves import Row
 

@@ -8,7 +8,7 @@ import pandas as pd
 
 import pdoik
 from bench.common.arrays import FloatArray
-from bench.ik.safety.report import Jobs, Line, millimetres
+from bench.ik.lines import Jobs, Line, millimetres
 from bench.ik.safety.world import ARMS, PERIOD, UNHURRIED, without_hulls
 from bench.ik.soak.judge import Asked, Goals, Judge, random_configurations
 from bench.ik.soak.robots import builtin_spec

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import pdoik
 from bench.common.arrays import BoolArray, FloatArray
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.safety.least import ROTATION_WEIGHT
-from bench.ik.safety.report import Jobs, Line, share
 from bench.ik.safety.world import PERIOD, SOLE, h1_stance
 from bench.ik.soak.hulls import capsules, segment_distance
 from bench.ik.soak.judge import Asked, Goals, Judge, beyond_polygon
@@ -29,9 +29,7 @@ WORTH = 1e-3  # of what is left: what a step could gain and did not
 FOOT, HAND = "right_ankle_link", "left_elbow_link"
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """A goal each."""
-    return {f"{k:03d}": {"index": k, "seed": seed} for k in range(size)}
+jobs = jobs_of
 
 
 def run_job(job: Mapping[str, Any]) -> list[Row]:

@@ -9,7 +9,7 @@ import pandas as pd
 
 import pdoik
 from bench.common.arrays import BoolArray, FloatArray
-from bench.ik.safety.report import Jobs, Line, millimetres
+from bench.ik.lines import Jobs, Line, millimetres
 from bench.ik.safety.world import PERIOD, UNHURRIED, pose_of, without_hulls
 from bench.ik.soak.judge import Asked, Goals, Judge, random_configurations
 from bench.ik.soak.robots import RobotSpec, builtin_spec

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from bench.ik.safety.report import Jobs, Line
+from bench.ik.lines import Jobs, Line
 from bench.ik.soak import tracking
 from bench.ik.soak.__main__ import jobs_of
 

@@ -9,8 +9,8 @@ import pandas as pd
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.ik.lines import Jobs, Line, millimetres, share
 from bench.ik.safety.least import ROTATION_WEIGHT, Errand
-from bench.ik.safety.report import Jobs, Line, millimetres, share
 from bench.ik.safety.world import (
     ARMS,
     NO_BALLS,

@@ -23,7 +23,7 @@ SCALES = (1.0, 3.0)
 POINTS_PER_OBJECT = 4000
 
 
-class SceneError(Exception):
+class SceneError(RuntimeError):
     """No scene could be made as asked."""
 
 

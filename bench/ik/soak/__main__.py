@@ -10,7 +10,6 @@ What fails is written to failures/ and ends the command with status 1: a file th
 and is a test once it lies in tests/python/soak_cases. --quick is a two-minute version.
 """
 
-import hashlib
 import json
 from collections.abc import Mapping
 from itertools import product
@@ -20,8 +19,8 @@ from typing import Annotated, Any
 import pandas as pd
 import typer
 
-import pdoik
 from bench.common import commands
+from bench.common.digests import core_digest
 from bench.common.whole_files import write_text
 from bench.ik.experiment import tell
 from bench.ik.soak import solves as solving
@@ -117,11 +116,6 @@ def replayed(path: Path) -> bool:
     now = ", ".join(complaints) or "nothing to complain of"
     commands.console.print(f"{path.name}: was {was}; now {now}", highlight=False, soft_wrap=True)
     return bool(complaints)
-
-
-def core_digest() -> str:
-    """Of the library's machine code: results of two builds are not to be mixed."""
-    return hashlib.sha256(Path(pdoik._core.__file__).read_bytes()).hexdigest()[:16]
 
 
 if __name__ == "__main__":

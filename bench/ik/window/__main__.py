@@ -22,7 +22,7 @@ import typer
 
 import pdoik
 from bench.common.arrays import FloatArray
-from bench.ik.judges.arm_meshes import example_robot_data
+from bench.common.descriptions import example_robot_data
 from bench.ik.window.page import drag, opened, running, served, shoot
 from pdoik.clouds import load_cloud
 from pdoik.view import Session

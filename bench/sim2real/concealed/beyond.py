@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from bench.sim2real.concealed import build
-from bench.sim2real.concealed.arm import Arm, Link, urdf
 from bench.sim2real.concealed.draft import Draft, draft_of
 from bench.sim2real.concealed.effect import Effect, effect
 from bench.sim2real.concealed.logger import Take
-from bench.sim2real.concealed.motion import STEP, Motion, Style, recording_motion
 from bench.sim2real.concealed.reference import reference
 from bench.sim2real.concealed.spec import WorldSpec
 from bench.sim2real.concealed.world import Run, World
+from bench.sim2real.frame.arm import Arm, Link, urdf
+from bench.sim2real.frame.motion import STEP, Motion, Style, recording_motion
 
 CONDITIONS = ("faster", "poses", "load")
 DURATION = 20.0  # of each recording [s]

@@ -6,18 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.catalogue import EFFECTS
 from bench.sim2real.concealed.draft import OF_THE_BODY, Draft, draft_of
 from bench.sim2real.concealed.effect import Effect, Gate, Scene, multiple
 from bench.sim2real.concealed.effects_outside import outside, slosh
 from bench.sim2real.concealed.effects_sensor import lie
 from bench.sim2real.concealed.logger import Take, visibility
-from bench.sim2real.concealed.robots import robot
 from bench.sim2real.concealed.spec import Truth, WorldSpec
-from bench.sim2real.concealed.study_files import joint_names, write_study, write_truth
 from bench.sim2real.concealed.truths import size_of, truth_of
 from bench.sim2real.concealed.world import Run, World
+from bench.sim2real.frame.arm import Array, urdf
+from bench.sim2real.frame.robots import robot
+from bench.sim2real.frame.study_files import joint_names, write_study, write_truth
 
 LARGER = ("coulomb_friction", "viscous_friction", "payload", "torque_offset", "gravity_direction")
 
@@ -37,7 +37,7 @@ def make_study(
     noiseless, order = _written(folder, draft, takes)
     truth = truth_of(draft, world.effects, order, visibility(world, takes), found)
     if truth_folder is not None:
-        write_truth(truth_folder / f"{folder.name}.json", truth.to_json())
+        write_truth(truth_folder, folder, truth.to_json())
         if clean:
             np.savez_compressed(truth_folder / f"{folder.name}.npz", **noiseless)
     return truth
@@ -74,7 +74,7 @@ def _written(folder: Path, draft: Draft, takes: list[Take]) -> tuple[dict[str, A
         true = take.write(path, logged(draft), shuffle, tip=draft.sensors.tip)
         noiseless |= {f"{path.stem}_{name}": values for name, values in true.items()}
     order = spec.stream("order").permutation(draft.arm.n)
-    write_study(folder, draft.believed, _study(draft, order))
+    write_study(folder, urdf(draft.believed), study_of(draft, order))
     return noiseless, order
 
 
@@ -194,7 +194,8 @@ def logged(draft: Draft) -> list[str]:
     return [name for name, there in known.items() if there]
 
 
-def _study(draft: Draft, order: Array) -> dict[str, Any]:
+def study_of(draft: Draft, order: Array) -> dict[str, Any]:
+    """What study.yaml says, with the joints in an order of indices (n,)."""
     names, control = joint_names(draft.arm), draft.control
     study: dict[str, Any] = {
         "robot": "robot.urdf",
@@ -212,6 +213,6 @@ def _study(draft: Draft, order: Array) -> dict[str, Any]:
         },
         "rotor_inertia": draft.armature[order].tolist(),
     }
-    if draft.plan.model_error:
+    if draft.believed is not draft.arm:
         study["trust"] = {"rigid_body": 0.1}
     return study

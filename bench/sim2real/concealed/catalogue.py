@@ -12,8 +12,8 @@ from bench.sim2real.concealed import effects_transmission as transmission
 from bench.sim2real.concealed.effect import Effect, Scene
 from bench.sim2real.concealed.effects_outside import KINDS
 from bench.sim2real.concealed.effects_sensor import LIES
-from bench.sim2real.concealed.robots import NAMES
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.robots import NAMES
 
 EFFECTS: dict[str, Callable[[Scene], Effect]] = {
     "viscous_friction": friction.viscous,

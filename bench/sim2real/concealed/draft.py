@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Link
 from bench.sim2real.concealed.catalogue import CORNERS, EFFECTS, WAYS, WITH_TIP, ways_of
 from bench.sim2real.concealed.effect import Gate
 from bench.sim2real.concealed.effects_outside import slosh
 from bench.sim2real.concealed.equipment import Controller, Sensors, controller, rotors, sensors
-from bench.sim2real.concealed.motion import Motion, Style, center, recording_motion
 from bench.sim2real.concealed.reference import Reference, reference
-from bench.sim2real.concealed.robots import robot
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.arm import Arm, Array, Link
+from bench.sim2real.frame.motion import Motion, Style, center, recording_motion
+from bench.sim2real.frame.robots import robot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,20 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar, dataclass_transform
+from typing import Any, ClassVar, Protocol, dataclass_transform
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Machine
 from bench.sim2real.concealed.equipment import Controller, Sensors
+from bench.sim2real.concealed.mjcf import Machine
 from bench.sim2real.concealed.reference import Reference
-
-if TYPE_CHECKING:
-    from bench.sim2real.concealed.reference import Reference
-    from bench.sim2real.concealed.world import Run
+from bench.sim2real.frame.arm import Arm, Array
+from bench.sim2real.frame.motion import Motion
 
 StepLaw = Callable[[], None]  # adds to run.applied before a physics step
 Drive = Callable[[Array], Array]  # torques exerted for torques commanded, once per physics step
+
+
+class Run(Protocol):
+    """One recording's simulation, as far as effects touch it; `world.Run` is the whole."""
+
+    world: Any  # the machine: believed, dof(joint)
+    motion: Motion
+    recording: int
+    model: Any  # MuJoCo's
+    data: Any
+    qpos: Array
+    qvel: Array
+    qacc: Array
+    applied: Array  # torques beside the motors', (nv,) [N m]
+    motor: Any  # MuJoCo's indices of the motors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Link, Machine, rotation_rpy
 from bench.sim2real.concealed.effect import Effect, Gate, Scene, StepLaw, effect, one_column
+from bench.sim2real.concealed.mjcf import Machine
 from bench.sim2real.concealed.reference import Dynamics, Reference
 from bench.sim2real.concealed.world import Run
+from bench.sim2real.frame.arm import Arm, Array, Link, rotation_rpy
 
 AXES = ("x", "y", "z")
 

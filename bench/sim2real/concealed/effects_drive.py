@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.effect import (
     Drive,
     Effect,
@@ -17,6 +16,7 @@ from bench.sim2real.concealed.effect import (
 )
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import Run
+from bench.sim2real.frame.arm import Array
 
 
 @effect("torque_gain", "error", names=("gain",), bounds=(0.01, 0.35))

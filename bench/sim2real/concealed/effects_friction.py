@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Machine
 from bench.sim2real.concealed.effect import Effect, Scene, StepLaw, effect, joint_law, one_column
+from bench.sim2real.concealed.mjcf import Machine
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import TIMESTEP, Run
+from bench.sim2real.frame.arm import Arm, Array
 
 Levels = tuple[float, float]  # backwards, forwards [N m]
 Yields = Callable[[float, float, float], Levels]  # of position, speed, time

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.effect import Drive, Effect, Scene, effect, multiple
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import TIMESTEP, Run
+from bench.sim2real.frame.arm import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Link, Machine
 from bench.sim2real.concealed.effect import Effect, Scene, StepLaw, effect, one_column
+from bench.sim2real.concealed.mjcf import Machine
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import TIMESTEP, Run
+from bench.sim2real.frame.arm import Arm, Array, Link
 
 KINDS = (
     *("quadratic_drag", "friction_by_neighbour", "detents", "pump", "damping_by_position"),

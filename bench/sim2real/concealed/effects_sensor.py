@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.effect import Effect, Scene, effect, one_column
 from bench.sim2real.concealed.effects_late import rate
 from bench.sim2real.concealed.logger import torque_along
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.world import Run
+from bench.sim2real.frame.arm import Array
 
 LIES = ("tau_sign", "q_degrees", "tau_rotor", "tau_model", "dq_scaled")
 

@@ -5,10 +5,11 @@ from dataclasses import field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.sim2real.concealed.arm import Arm, Array, Machine, rotation_rpy
 from bench.sim2real.concealed.effect import Effect, Scene, effect
 from bench.sim2real.concealed.effects_body import Body
+from bench.sim2real.concealed.mjcf import Machine
 from bench.sim2real.concealed.reference import Dynamics, Reference
+from bench.sim2real.frame.arm import Arm, Array, rotation_rpy
 
 
 @effect("backlash", "gap", bounds=(0.0003, 0.05), calibrated=True)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array
 from bench.sim2real.concealed.reference import Reference
+from bench.sim2real.frame.arm import Arm, Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,11 +12,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from bench.sim2real.concealed.arm import Array, quaternion, rotation_rpy
-from bench.sim2real.concealed.motion import STEP, Motion
 from bench.sim2real.concealed.reference import Dynamics
-from bench.sim2real.concealed.study_files import write_recording
 from bench.sim2real.concealed.world import Run, Truth, World
+from bench.sim2real.frame.arm import Array, quaternion, rotation_rpy
+from bench.sim2real.frame.motion import STEP, Motion
+from bench.sim2real.frame.study_files import write_recording
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

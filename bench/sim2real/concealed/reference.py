@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Machine, mjcf
-from bench.sim2real.concealed.motion import STEP, Motion
+from bench.sim2real.concealed.mjcf import Machine, mjcf
+from bench.sim2real.frame.arm import Arm, Array
+from bench.sim2real.frame.motion import STEP, Motion
 
 EVERY = 40  # rows of a motion between two rows of the reference
 

@@ -1,10 +1,11 @@
 """What a world is asked to be, and what it turned out to be."""
 
-import zlib
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
+
+from bench.sim2real.frame.streams import stream
 
 FIRST_PROOF_SEED = 1_000_000  # development uses seeds below 10 000
 
@@ -20,8 +21,7 @@ class WorldSpec:
     size: float | None = None  # multiple of the noise floor; None: drawn by the way of hiding
 
     def stream(self, purpose: str) -> np.random.Generator:
-        words = [self.effect, self.hide, self.robot, purpose]
-        return np.random.default_rng([self.seed, *(zlib.crc32(w.encode()) for w in words)])
+        return stream(self.seed, self.effect, self.hide, self.robot, purpose)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.draft import Draft
 from bench.sim2real.concealed.effect import Effect
 from bench.sim2real.concealed.reference import Reference
 from bench.sim2real.concealed.spec import Truth, WorldSpec
-from bench.sim2real.concealed.study_files import joint_names
+from bench.sim2real.frame.arm import Array
+from bench.sim2real.frame.study_files import joint_names
 
 
 def truth_of(

@@ -8,11 +8,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Machine, mjcf
 from bench.sim2real.concealed.effect import Effect
 from bench.sim2real.concealed.equipment import Controller, Sensors
-from bench.sim2real.concealed.motion import Motion
+from bench.sim2real.concealed.mjcf import Machine, mjcf
 from bench.sim2real.concealed.reference import Dynamics
+from bench.sim2real.frame.arm import Arm, Array
+from bench.sim2real.frame.motion import Motion
 
 TIMESTEP = 5e-4  # of the physics [s]
 

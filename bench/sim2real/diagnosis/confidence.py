@@ -2,10 +2,9 @@
 
     python -m bench.sim2real.diagnosis.confidence RUN... --fit   weights from runs
     python -m bench.sim2real.diagnosis.confidence machines/said-TOOL ... --fit
-    python -m bench.sim2real.diagnosis.confidence RUN... --rules   other rules
     python -m bench.sim2real.diagnosis.confidence RUN... --out FILE   a diagram
 
-A run is a folder of ../proof or soiled.py with studies.parquet, or of what was said of opened
+A run is a folder of ../proof with studies.parquet, or of what was said of opened
 worlds of ../machines. A finding is true where one of the study's hidden effects has its name and
 place; where a channel lies, or a cause has no name in the catalogue, where it is at the hidden
 joint, of the latter without a name; of machines also what their background has. What is suspected
@@ -13,9 +12,7 @@ for other reasons than its confidence is left out: no confidence is asked of it.
 """
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, cast
 
@@ -26,17 +23,16 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
-from scipy import optimize, stats
+from scipy import optimize
 
-from bench.common.blind import as_diagnosis
 from bench.common.intervals import wilson
 from bench.common.whole_files import write_whole
-from bench.sim2real.diagnosis.score import last_link, same
+from bench.sim2real.concealed.score import last_link, same
+from bench.sim2real.frame.score import as_diagnosis, by_confidence
 from bench.sim2real.machines.score import judged
 from pdoik.sim2real.effects.unknown import Unknown
 from pdoik.sim2real.findings import Support
-from pdoik.sim2real.identify.confidence import confidence_of, features
-from pdoik.sim2real.thresholds import Thresholds
+from pdoik.sim2real.identify.confidence import features
 from pdoik.sim2real.thresholds.confidence import ConfidenceThresholds
 
 _PRIOR = 0.5  # inverse variance of the weights, about the default's signs
@@ -127,50 +123,11 @@ def reliability(known: list[Claim]) -> list[tuple[str, int, float, float, tuple[
     stated = np.array([c.confidence for c in known])
     true = np.array([c.true for c in known])
     rows = []
-    for low, high in pairwise(_EDGES):
-        at = (stated >= low) & ((stated < high) | (high == _EDGES[-1]))
-        if at.any():
-            count, right = int(at.sum()), int(true[at].sum())
-            name = f"{low:g} to {high:g}"
-            rows.append(
-                (name, count, float(stated[at].mean()), right / count, wilson(right, count))
-            )
+    for name, at in by_confidence(stated, _EDGES):
+        count, right = int(at.sum()), int(true[at].sum())
+        interval = wilson(right, count)
+        rows.append((name, count, float(stated[at].mean()), right / count, interval))
     return rows
-
-
-RULES: dict[str, Callable[[Support], bool]] = {
-    "none": lambda s: True,
-    "t at least 2": lambda s: s.t >= 2.0,
-    "t at least 3.5": lambda s: s.t >= 3.5,
-    "t, Bonferroni for 100 candidates": lambda s: _chance(s) < 0.05 / 100,
-    "t, Bonferroni for 400 candidates": lambda s: _chance(s) < 0.05 / 400,
-    "every session agrees": lambda s: s.agree == s.sessions,
-    "gain at least 0.12": lambda s: s.gain >= 0.12,
-    "gain at least 0.3": lambda s: s.gain >= 0.3,
-    "gain at least 0.5": lambda s: s.gain >= 0.5,
-    "t at least 2, gain at least 0.3": lambda s: s.t >= 2.0 and s.gain >= 0.3,
-    "confidence at least 0.75": lambda s: confidence_of(Thresholds(), s) >= 0.75,
-    "confidence at least 0.9": lambda s: confidence_of(Thresholds(), s) >= 0.9,
-}
-"""Ways to choose among what was accepted, by its support on left-out sessions."""
-
-
-def _chance(support: Support) -> float:
-    """Probability of so large a t by chance, of so many blocks."""
-    return float(stats.t.sf(support.t, max(support.blocks - 1, 1)))
-
-
-def compared(known: list[Claim], title: str) -> Table:
-    """What each rule keeps: false findings, precision, and the share of the true ones."""
-    supported = [(c.support, c.true) for c in known if c.support is not None and c.support.sessions]
-    table = Table("rule", "kept", "false", "precision", "of the true ones", title=title)
-    for name, keeps in RULES.items():
-        kept = [true for support, true in supported if keeps(support)]
-        right = sum(kept)
-        share = right / max(sum(true for _, true in supported), 1)
-        row = (str(len(kept)), str(len(kept) - right), f"{right / max(len(kept), 1):.3f}")
-        table.add_row(name, *row, f"{share:.3f}")
-    return table
 
 
 def drawn(known: dict[str, list[Claim]], path: Path) -> None:
@@ -194,7 +151,6 @@ def drawn(known: dict[str, list[Claim]], path: Path) -> None:
 def main(
     runs: Annotated[list[Path], typer.Argument(help="Folders of bench.sim2real.proof, scored.")],
     fit: Annotated[bool, typer.Option("--fit", help="Print weights fitted to these.")] = False,
-    rules: Annotated[bool, typer.Option("--rules", help="Compare ways to choose.")] = False,
     out: Annotated[Path | None, typer.Option(help="Picture of the reliability.")] = None,
 ) -> None:
     """Fit the weights, or show whether stated confidences hold."""
@@ -211,8 +167,6 @@ def main(
                 said, str(count), f"{mean:.3f}", f"{share:.3f}", f"{low:.3f} to {high:.3f}"
             )
         console.print(table)
-        if rules:
-            console.print(compared(some, name))
     if out is not None:
         drawn(known, out)
 

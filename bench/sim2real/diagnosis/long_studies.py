@@ -1,5 +1,7 @@
 """Seconds and memory of studies of minutes and of an hour, each diagnosed in a process of its own.
 
+    python -m bench.sim2real.diagnosis.long_studies --out build/bench/diagnosis
+
 Panda with Coulomb friction in every joint, three recordings at 250 Hz.
 """
 
@@ -12,14 +14,15 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+import typer
 
 from bench.common import commands as cli
 from bench.common.markdown import markdown_table
 from bench.sim2real.concealed import build
 from bench.sim2real.concealed.draft import Draft, draft_of
 from bench.sim2real.concealed.effect import Effect
-from bench.sim2real.concealed.motion import Style, recording_motion
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.motion import Style, recording_motion
 
 LONG = 40.0  # of each of three recordings [s]
 FACTORS = (1, 2, 4, 30)
@@ -33,6 +36,14 @@ seconds = time.perf_counter() - begin
 memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 print(json.dumps([seconds, memory, len(findings)]))
 """
+
+
+def main(out: cli.OutFolder = cli.BUILD / "diagnosis", seed: cli.Seed = 5000) -> None:
+    """Make the studies, diagnose them, print the table."""
+    table = times_table(seed)
+    out.mkdir(parents=True, exist_ok=True)
+    cli.write_report(out / "times.md", table)
+    cli.show(table)
 
 
 def times_table(seed: int) -> str:
@@ -79,3 +90,7 @@ def long_study(folder: Path, seed: int, duration: float) -> int:
     with mock.patch.multiple(build, draft_of=draft, drawn=everywhere):
         build.make_study(folder, spec)
     return sum(len(path.read_text().splitlines()) - 1 for path in folder.glob("rec*.csv"))
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -31,8 +31,8 @@ from bench.sim2real.concealed.effects_drive import Ripple, Spring, TorqueOffset
 from bench.sim2real.concealed.effects_friction import Coulomb, Viscous
 from bench.sim2real.concealed.effects_late import Delay
 from bench.sim2real.concealed.effects_transmission import Backlash
+from bench.sim2real.concealed.score import ONE_NAME
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.diagnosis.score import ONE_NAME
 from pdoik.sim2real import Finding, check_study, diagnose
 
 TIMES = (0.5, 1.0, 2.0, 4.0)
@@ -85,12 +85,8 @@ def main(out: OutFolder = BUILD / "visible", quick: Quick = False) -> None:
     settings = {"experiment": "visible", "code": code_digest("concealed"), "times": TIMES}
     with plain_errors():
         campaign = Campaign(out, {**settings, "times": list(TIMES)})
-        jobs = [(f"{c.robot}-{c.effect}-{c.joint}", c) for c in cases]
-        for name, case in jobs:
-            if not campaign.has(name):
-                campaign.keep(name, list(_rows(case)))
-                console.print(f"{name} done")
-        table = tables(campaign.gather([name for name, _ in jobs]))
+        jobs = {f"{case.robot}-{case.effect}-{case.joint}": case for case in cases}
+        table = tables(campaign.run_here(lambda case: list(_rows(case)), jobs, console))
     write_report(out / "tables.md", table)
     show(table)
 

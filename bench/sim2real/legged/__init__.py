@@ -4,5 +4,5 @@ A quadruped and a humanoid in plain MuJoCo trot, stand and hang; their joints, b
 ground differ from what the study says. Nothing of the worlds imports `pdoik`: they and the
 diagnosis share no code. Run from the repository's root:
 
-    python -m bench.sim2real.legged make --robot go2 --kind payload --background plain --out DIR
+    python -m bench.sim2real.generate legged --robot go2 --kind payload --out DIR
 """

@@ -8,22 +8,16 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from bench.sim2real.frame.study_files import write_study, write_truth
 from bench.sim2real.legged import draw_base, draw_joint
 from bench.sim2real.legged.draw_joint import Draw, Scene, at_a_joint
 from bench.sim2real.legged.gait import Trot
 from bench.sim2real.legged.legs import Legs
-from bench.sim2real.legged.machine import Hidden, Machine, as_told, dense
+from bench.sim2real.legged.machine import FRICTION, Hidden, Machine, as_told, dense
 from bench.sim2real.legged.postures import hang, home, stand
 from bench.sim2real.legged.robots import Robot, robot
 from bench.sim2real.legged.run import FallenError, Policy, Rows, simulate
-from bench.sim2real.legged.sensors import (
-    Sensors,
-    measured,
-    sensors,
-    write_log,
-    write_study,
-    write_truth,
-)
+from bench.sim2real.legged.sensors import Sensors, measured, sensors, write_log
 from bench.sim2real.legged.spec import HEALTHY, JOINT_KINDS, KINDS, Array, Spec
 from bench.sim2real.legged.visibility import visibility
 from bench.sim2real.legged.world import GRAVITY, build, massive_links
@@ -184,11 +178,11 @@ def truth_of(world: Made) -> dict[str, Any]:
     }
 
 
-def make_study(folder: Path, spec: Spec, truth: Path) -> Made:
-    """Writes study.yaml, robot.urdf and recordings to a folder, the truth to a file elsewhere."""
-    if truth.resolve().is_relative_to(folder.resolve()):
-        raise ValueError(f"truth: expected a file outside of {folder}, got {truth}")
+def make_study(folder: Path, spec: Spec, truth_folder: Path | None = None) -> Made:
+    """Writes study.yaml, robot.urdf and recordings; the truth only where asked for."""
     world = made(spec)
+    if truth_folder is not None:
+        write_truth(truth_folder, folder, truth_of(world))
     folder.mkdir(parents=True, exist_ok=True)
     entries = []
     for k, (take, rows) in enumerate(zip(world.takes, world.rows, strict=True)):
@@ -196,6 +190,27 @@ def make_study(folder: Path, spec: Spec, truth: Path) -> Made:
         held = take.hold is not None
         write_log(folder / name, measured(rows, world.machine, world.sensors, rng, held=held))
         entries.append({"file": name, **take.entry})
-    write_study(folder, world.machine.robot, entries)
-    write_truth(truth, truth_of(world))
+    kind = world.machine.robot
+    write_study(folder, kind.urdf.read_text(), _study(kind, entries))
     return world
+
+
+def _study(kind: Robot, recordings: list[dict[str, str]]) -> dict[str, Any]:
+    return {
+        "robot": "robot.urdf",
+        "joints": list(kind.joints),
+        "recordings": recordings,
+        "controller": {
+            "type": "pd",
+            "kp": kind.kp.tolist(),
+            "kd": kind.kd.tolist(),
+            "gravity_compensation": False,
+            "torque_limit": kind.effort.tolist(),
+        },
+        "rotor_inertia": kind.rotor.tolist(),
+        "base": {
+            "imu": {"position": list(kind.imu_position), "rpy": list(kind.imu_rpy)},
+            "feet": {foot: {"sole": kind.sole} for foot in kind.feet},
+            "ground": {"friction": FRICTION, "height": 0.0},
+        },
+    }

@@ -1,6 +1,5 @@
 """The robots: descriptions, drives, where their IMU sits, and what touches the ground."""
 
-import importlib.util
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -8,11 +7,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from bench.common.descriptions import MissingDescriptionError, go2_urdf
 from bench.sim2real.legged.spec import Array
 
 REPOSITORY = Path(__file__).parents[3]
 H1 = REPOSITORY / "cpp" / "robots" / "h1.urdf"
-GO2 = "share/example-robot-data/robots/go2_description/urdf/go2.urdf"  # below cmeel.prefix
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,26 +70,19 @@ def robot(name: str) -> Robot:
 
 
 def has_go2() -> bool:
-    return _go2_urdf() is not None
-
-
-def _go2_urdf() -> Path | None:
-    found = importlib.util.find_spec("cmeel")
-    home = Path(np.__file__).parents[1] if found is None else Path(str(found.origin)).parents[1]
-    path = home / "cmeel.prefix" / GO2
-    return path if path.is_file() else None
+    try:
+        return go2_urdf().is_file()
+    except MissingDescriptionError:
+        return False
 
 
 @cache
 def _go2() -> Robot:
-    urdf = _go2_urdf()
-    if urdf is None:
-        raise FileNotFoundError("go2.urdf: expected the package example-robot-data")
     feet = ("FL", "FR", "RL", "RR")
     joints = tuple(f"{leg}_{part}_joint" for leg in feet for part in ("hip", "thigh", "calf"))
     return Robot(
         name="go2",
-        urdf=urdf,
+        urdf=go2_urdf(),
         base="base",
         joints=joints,
         leg_size=3,
@@ -109,7 +101,7 @@ def _go2() -> Robot:
         heavy=tuple(f"{leg}_{part}" for leg in feet for part in ("thigh", "calf")),
         imu_position=(-0.02557, 0.0, 0.04232),
         imu_rpy=(0.0, 0.0, 0.0),
-        **_limits(urdf, joints),
+        **_limits(go2_urdf(), joints),
     )
 
 

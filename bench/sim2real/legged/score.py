@@ -2,17 +2,15 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
 
-from bench.common.blind import as_diagnosis
 from bench.common.markdown import markdown_table
+from bench.sim2real.frame.score import Content, agrees, as_diagnosis, confidence
 from bench.sim2real.legged.machine import FRICTION
 from bench.sim2real.legged.spec import GROUND_KINDS, HEALTHY, IMU_KINDS
-
-Content = Mapping[str, Any]  # of JSON
 
 CLAIMED = 0.75  # confidence from which a finding is a claim
 SIZED = 0.34  # relative error of a figure that is right without its interval
@@ -28,7 +26,7 @@ LIGHT = 0.06  # of the machine's mass: a load that the links' own errors come to
 def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
     """One row: all that the tables need."""
     spec, diagnosis = truth["spec"], as_diagnosis(said)
-    claimed = [f for f in diagnosis["findings"] if f.get("confidence", 1.0) >= CLAIMED]
+    claimed = [f for f in diagnosis["findings"] if confidence(f) >= CLAIMED]
     hidden = truth["effects"][0] if truth["effects"] else None
     right = [f for f in claimed if hidden is not None and is_right(f, hidden)]
     false = [f for f in claimed if f not in right and not in_background(f, truth)]
@@ -50,9 +48,7 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
         "false": len(false),
         "alarm": spec["kind"] == HEALTHY and bool(false),
         "false_findings": json.dumps([[f["effect"], *_place(f)] for f in false]),
-        "found": json.dumps(
-            [[f["effect"], round(f.get("confidence", 1.0), 2), *_place(f)] for f in claimed]
-        ),
+        "found": json.dumps([[f["effect"], round(confidence(f), 2), *_place(f)] for f in claimed]),
         "seconds": float(said["seconds"]),
     }
 
@@ -86,9 +82,7 @@ def is_sized(finding: Content, hidden: Content | None) -> bool:
     if not both:
         return False
     largest = max(both, key=lambda key: abs(both[key]))
-    said, true = finding["parameters"][largest], both[largest]
-    low, high = said["interval95"]
-    return bool(low <= true <= high or abs(said["value"] - true) <= SIZED * abs(true))
+    return agrees(finding["parameters"][largest], both[largest], SIZED)
 
 
 def figures_of(hidden: Content) -> dict[str, float]:
@@ -136,9 +130,13 @@ RATE = "false findings in a world"
 SORT = ["robot", "background"]
 
 
-def tables(rows: pd.DataFrame) -> str:
-    """By sort of world, of healthy worlds, and by kind."""
-    made = rows[rows.not_made == ""].infer_objects()
+def all_tables(made: pd.DataFrame, not_made: Sequence[str] = ()) -> str:
+    """By sort of world, of healthy worlds, and by kind.
+
+    Args:
+        made: a row per world.
+        not_made: names of worlds whose robot fell whatever was drawn.
+    """
     hidden = made[made.kind != HEALTHY]
     took, crashed = made.seconds, int(made.crash.sum())
     parts = [
@@ -148,9 +146,8 @@ def tables(rows: pd.DataFrame) -> str:
         f"A diagnosis takes {took.median():.0f} s, at most {took.max():.0f} s;"
         f" {crashed} of {len(made)} studies were not diagnosed.",
     ]
-    fallen = rows[rows.not_made != ""]
-    if len(fallen):
-        parts.append(f"Not made, for the robot always fell: {', '.join(fallen.name)}.")
+    if not_made:
+        parts.append(f"Not made, for the robot always fell: {', '.join(not_made)}.")
     return "\n\n".join(part.rstrip() for part in parts) + "\n"
 
 

@@ -1,10 +1,5 @@
-"""What is written down of what is true: coarse, noisy, off by what the machine's sensors are.
+"""What is written down of what is true: coarse, noisy, off by what the machine's sensors are."""
 
-A study folder as a user would have it, and the truth in another folder.
-"""
-
-import json
-import shutil
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -12,12 +7,10 @@ from typing import Any
 import numpy as np
 import pyarrow
 import pyarrow.csv
-import yaml
 from scipy.spatial.transform import Rotation
 
-from bench.common.whole_files import write_text, write_whole
-from bench.sim2real.legged.machine import FRICTION, Machine
-from bench.sim2real.legged.robots import Robot
+from bench.common.whole_files import write_whole
+from bench.sim2real.legged.machine import Machine
 from bench.sim2real.legged.run import TICKS, Rows
 from bench.sim2real.legged.spec import Array
 
@@ -116,32 +109,3 @@ def write_log(path: Path, table: dict[str, Array]) -> None:
     pyarrow.csv.write_csv(pyarrow.table(columns), text, write_options=options)
     head = (",".join(table) + "\n").encode()  # which pyarrow would quote
     write_whole(path, lambda new: new.write_bytes(head + text.getvalue().to_pybytes()))
-
-
-def write_study(folder: Path, robot: Robot, recordings: list[dict[str, str]]) -> None:
-    shutil.copyfile(robot.urdf, folder / "robot.urdf")
-    study = {
-        "robot": "robot.urdf",
-        "joints": list(robot.joints),
-        "recordings": recordings,
-        "controller": {
-            "type": "pd",
-            "kp": robot.kp.tolist(),
-            "kd": robot.kd.tolist(),
-            "gravity_compensation": False,
-            "torque_limit": robot.effort.tolist(),
-        },
-        "rotor_inertia": robot.rotor.tolist(),
-        "base": {
-            "imu": {"position": list(robot.imu_position), "rpy": list(robot.imu_rpy)},
-            "feet": {foot: {"sole": robot.sole} for foot in robot.feet},
-            "ground": {"friction": FRICTION, "height": 0.0},
-        },
-    }
-    text = yaml.safe_dump(study, sort_keys=False, default_flow_style=None, width=100)
-    write_text(folder / "study.yaml", text)
-
-
-def write_truth(path: Path, truth: dict[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, json.dumps(truth, indent=1, sort_keys=True) + "\n")

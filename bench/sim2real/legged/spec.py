@@ -1,11 +1,12 @@
 """What a world is asked to be, and which worlds a campaign is of."""
 
-import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from bench.sim2real.frame.streams import stream
 
 Array = npt.NDArray[np.float64]
 
@@ -54,15 +55,14 @@ class Spec:
         Motions and sensors do not depend on what is hidden: a healthy machine of the same seed
         does the same.
         """
-        words = [self.robot, self.background, purpose]
-        return np.random.default_rng([self.seed, *(zlib.crc32(word.encode()) for word in words)])
+        return stream(self.seed, self.robot, self.background, purpose)
 
 
 def draw(
     seed: int, robot: str | None = None, background: str | None = None, kind: str | None = None
 ) -> Spec:
     """A spec, with what is not given drawn by the seed: one world in six has nothing hidden."""
-    rng = np.random.default_rng([seed, zlib.crc32(b"spec")])
+    rng = stream(seed, "spec")
     drawn_robot, drawn_background = str(rng.choice(ROBOTS)), str(rng.choice(BACKGROUNDS))
     drawn_kind = HEALTHY if rng.random() < 1.0 / 6.0 else str(rng.choice(KINDS))
     return Spec(
@@ -73,7 +73,7 @@ def draw(
     )
 
 
-def plan(
+def specs_of(
     seed: int, count: int, robots: Iterable[str] = ROBOTS, backgrounds: Iterable[str] = BACKGROUNDS
 ) -> dict[str, Spec]:
     """Specs by names that tell nothing but their order.
@@ -94,6 +94,6 @@ def plan(
 
 def _kinds(seed: int, robot: str, background: str) -> list[str]:
     """All kinds once, and as many healthy machines as there are sixths of the whole."""
-    rng = np.random.default_rng([seed, zlib.crc32(f"{robot} {background}".encode())])
+    rng = stream(seed, f"{robot} {background}")
     kinds = [*KINDS, *[HEALTHY] * -(-len(KINDS) // 5)]
     return [str(kind) for kind in rng.permutation(kinds)]

@@ -9,7 +9,7 @@ import numpy as np
 
 import pdoik
 from bench.ik.scenes.primitives import Ball, box, sample_surface
-from bench.sim2real.concealed.arm import Array
+from bench.sim2real.frame.arm import Array
 
 LEAF = 0.015  # of the cloud that the solver gets [m]
 POINTS_PER_AREA = 30_000.0  # before the grid thins them [1/m^2]

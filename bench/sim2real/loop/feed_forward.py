@@ -11,8 +11,8 @@ import numpy as np
 import pinocchio
 from scipy.ndimage import gaussian_filter1d
 
-from bench.sim2real.concealed.arm import Array
-from bench.sim2real.concealed.motion import STEP, Motion, smoothstep
+from bench.sim2real.frame.arm import Array
+from bench.sim2real.frame.motion import STEP, Motion, smoothstep
 from pdoik import sim2real
 from pdoik.sim2real import Finding, Model, Recording
 

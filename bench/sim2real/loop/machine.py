@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 
 import pdoik
-from bench.sim2real.concealed.arm import Array, urdf
 from bench.sim2real.concealed.draft import Draft, draft_of, misjudged
 from bench.sim2real.concealed.spec import WorldSpec
 from bench.sim2real.concealed.world import Run, World
+from bench.sim2real.frame.arm import Array, urdf
 from bench.sim2real.loop.cell import Clearance
 
 EVERY = 10  # ticks between two at which the clearance is measured

@@ -7,8 +7,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 import pdoik
-from bench.sim2real.concealed.arm import Array
-from bench.sim2real.concealed.motion import STEP, Motion, smoothstep
+from bench.sim2real.frame.arm import Array
+from bench.sim2real.frame.motion import STEP, Motion, smoothstep
 from bench.sim2real.loop.cell import Cell
 
 HOME = np.array([0.0, -0.3, 0.0, -2.1, 0.0, 1.9, 0.8])  # [rad]

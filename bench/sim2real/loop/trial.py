@@ -14,14 +14,14 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from bench.sim2real.concealed.arm import Array, urdf
-from bench.sim2real.concealed.build import world_of
+from bench.sim2real.concealed.build import study_of, world_of
 from bench.sim2real.concealed.draft import Draft
 from bench.sim2real.concealed.logger import Take
-from bench.sim2real.concealed.motion import STEP, Motion, Style, recording_motion, smoothstep
 from bench.sim2real.concealed.reference import Dynamics
-from bench.sim2real.concealed.study_files import joint_names, write_study
 from bench.sim2real.concealed.world import Run, World
+from bench.sim2real.frame.arm import Array, urdf
+from bench.sim2real.frame.motion import STEP, Motion, Style, recording_motion, smoothstep
+from bench.sim2real.frame.study_files import write_study
 from bench.sim2real.loop.cell import Clearance, random_cell
 from bench.sim2real.loop.feed_forward import commands
 from bench.sim2real.loop.hidden import HIDDEN, MODEL_ERROR, WITH_TIP
@@ -68,26 +68,8 @@ def write_commissioning(
     for index, motion in enumerate(motions):
         take = Take.of(Run(world, motion, index, rng))
         take.write(folder / f"rec{index + 1}.csv", LOGGED, rng, tip=tip)
-    control = draft.control
-    study = {
-        "robot": "robot.urdf",
-        "tip": "tool",
-        "joints": joint_names(draft.arm),
-        "recordings": [
-            {"file": f"rec{index + 1}.csv", "role": role} for index, role in enumerate(ROLES)
-        ],
-        "controller": {
-            "type": "pd",
-            "kp": control.kp.tolist(),
-            "kd": control.kd.tolist(),
-            "gravity_compensation": True,
-            "period": control.period,
-        },
-        "rotor_inertia": draft.armature.tolist(),
-    }
-    if draft.believed is not draft.arm:
-        study["trust"] = {"rigid_body": 0.1}
-    write_study(folder, draft.believed, study)
+    study = study_of(replace(draft, roles=list(ROLES)), np.arange(draft.arm.n))
+    write_study(folder, urdf(draft.believed), study)
 
 
 LEGS = 4

@@ -7,16 +7,14 @@ Stages: conceal, diagnose, score. Each goes on where it was stopped. Another too
 same worlds: what was said is kept by the tool's digest.
 """
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bench.common.commands import Scheduler, Workers, plain_errors
-from bench.sim2real.machines.stages import Run, plan
-
-Stage = StrEnum("Stage", {name.upper(): name for name in ("conceal", "diagnose", "score")})
+from bench.sim2real.frame.sealed import Stage
+from bench.sim2real.machines.stages import run_of
 
 
 def main(
@@ -28,12 +26,9 @@ def main(
     only: Annotated[list[Stage] | None, typer.Option(help="Repeatable; all otherwise.")] = None,
 ) -> None:
     """Conceal, seal, diagnose blind, score."""
-    run = Run(out=out.resolve(), plan=plan(seed, count), scheduler=scheduler, workers=workers)
-    stages = [stage for stage in Stage if stage in (only or Stage)]
+    run = run_of(out.resolve(), seed, count, scheduler=scheduler, workers=workers)
     with plain_errors():
-        run.freeze(anew=Stage.CONCEAL in stages)
-        for stage in stages:
-            getattr(run, stage)()
+        run.run(only)
 
 
 if __name__ == "__main__":

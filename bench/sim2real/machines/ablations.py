@@ -21,13 +21,13 @@ from typing import Annotated, Any
 import pandas as pd
 import typer
 
-from bench.common.blind import STOPPED, THREADS, blind
 from bench.common.campaign import CampaignError
 from bench.common.commands import console, plain_errors, show
 from bench.common.digests import digest_of_folder, tool_digest
 from bench.common.markdown import markdown_table
-from bench.common.sealed import SEALED, STUDIES
 from bench.common.whole_files import write_text
+from bench.sim2real.frame.blind import STOPPED, THREADS, blind
+from bench.sim2real.frame.sealed import SEALED, STUDIES
 from bench.sim2real.machines.score import Content, score
 from bench.sim2real.machines.tables import summary
 from bench.sim2real.machines.variants import BEFORE, VARIANTS, switched_off

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from bench.sim2real.concealed.motion import Motion
-from bench.sim2real.concealed.robots import robot
-from bench.sim2real.concealed.study_files import write_recording, write_study, write_truth
+from bench.sim2real.frame.arm import urdf
+from bench.sim2real.frame.motion import Motion
+from bench.sim2real.frame.robots import robot
+from bench.sim2real.frame.study_files import write_recording, write_study, write_truth
 from bench.sim2real.machines import kinds, logger
 from bench.sim2real.machines.chain import chain_of
 from bench.sim2real.machines.draw import Machine, machine, path_torque
@@ -61,9 +62,9 @@ def make_study(folder: Path, spec: WorldSpec, truth_folder: Path | None = None) 
         names.append("dq")
     for k, log in enumerate(logs):
         write_recording(folder / f"rec{k + 1}.csv", log, names, None, order)
-    write_study(folder, draft.machine.believed, _study(draft))
+    write_study(folder, urdf(draft.machine.believed), _study(draft))
     if truth_folder is not None:
-        write_truth(truth_folder / f"{folder.name}.json", truth)
+        write_truth(truth_folder, folder, truth)
     return truth
 
 
@@ -76,7 +77,7 @@ def _visible(spec: WorldSpec) -> tuple[Draft, tuple[list[Log], list[Track]], lis
         if not draft.faults:
             return draft, made, []
         clean = clean or run(draft, ())[0]
-        seen = visibility(draft, made[0], clean)
+        seen = visibility(draft.machine.believed, draft.faults, made[0], clean)
         if min(each["most"] for each in seen) >= _SEEN:
             break
     return draft, made, seen

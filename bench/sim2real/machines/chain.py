@@ -8,7 +8,7 @@ centre (3), inertia about the centre (9) in the joint's own axes.
 import numpy as np
 from numba import njit
 
-from bench.sim2real.concealed.arm import Arm
+from bench.sim2real.frame.arm import Arm
 from bench.sim2real.machines.figures import Array
 
 Chain = tuple[Array, Array, Array, Array, Array]

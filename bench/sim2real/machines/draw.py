@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Link
+from bench.sim2real.frame.arm import Arm, Link
 from bench.sim2real.machines.chain import chain_of
 from bench.sim2real.machines.control import KINDS, Controller
 from bench.sim2real.machines.figures import INDEX, Array, Figures

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm
+from bench.sim2real.frame.arm import Arm
 from bench.sim2real.machines.draw import Machine, path_torque
 from bench.sim2real.machines.figures import Array, Figures
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Link, pose
+from bench.sim2real.frame.arm import Arm, Link, pose
 from bench.sim2real.machines.fault import Fault, Log, Scene
 from bench.sim2real.machines.figures import Array
 

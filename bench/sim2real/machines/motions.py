@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm
-from bench.sim2real.concealed.motion import (
+from bench.sim2real.frame.arm import Arm
+from bench.sim2real.frame.motion import (
     STEP,
     Motion,
     Style,

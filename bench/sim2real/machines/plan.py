@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass
 
 import numpy as np
 
+from bench.sim2real.frame.streams import stream
 from bench.sim2real.machines.kinds import NAMED, OUTSIDE
 
 ROBOTS = ("panda", "ur10", "iiwa14", *(f"random{n}" for n in range(2, 8)))
@@ -45,4 +45,4 @@ class WorldSpec:
         object.__setattr__(self, "faults", tuple(self.faults))  # a list, of JSON
 
     def stream(self, purpose: str) -> np.random.Generator:
-        return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])
+        return stream(self.seed, purpose)

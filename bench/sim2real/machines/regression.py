@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.sim2real.proof.peers_data import (
+from bench.sim2real.frame.tracks import (
     Array,
     Believed,
     Track,

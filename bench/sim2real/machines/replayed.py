@@ -18,7 +18,7 @@ import typer
 
 from bench.common.commands import console, plain_errors, show
 from bench.common.whole_files import write_text
-from bench.sim2real.concealed.motion import Motion
+from bench.sim2real.frame.motion import Motion
 from bench.sim2real.machines.build import Draft, run
 from bench.sim2real.machines.chain import chain_of
 from bench.sim2real.machines.control import law

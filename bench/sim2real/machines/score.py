@@ -1,15 +1,13 @@
 """A world's truth beside what was said of it: its fault, its background, and what is neither."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from bench.common.blind import as_diagnosis
+from bench.sim2real.frame.score import Content, agrees, alternatives, as_diagnosis, confidence, rank
 from bench.sim2real.machines.background import in_background
-
-Content = Mapping[str, Any]
 
 FEW = 5  # findings that a reader looks at first
 SURE = 0.9
@@ -48,11 +46,9 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
     found, suspected = diagnosis["findings"], diagnosis.get("suspected", [])
     faults = truth["faults"]
     verdicts = [judged(each, truth) for each in found]
-    sure = [
-        j for j, each in zip(verdicts, found, strict=True) if each.get("confidence", 1.0) >= SURE
-    ]
+    sure = [j for j, each in zip(verdicts, found, strict=True) if confidence(each) >= SURE]
     false = [
-        (each["effect"], each["joints"] or each["links"], round(each.get("confidence", 1.0), 2))
+        (each["effect"], each["joints"] or each["links"], round(confidence(each), 2))
         for j, each in zip(verdicts, found, strict=True)
         if not j["right"]
     ]
@@ -83,7 +79,7 @@ def score(name: str, truth: Content, said: Content) -> dict[str, Any]:
         ),
         "confidences": json.dumps(
             [
-                [each.get("confidence", 1.0), j["right"], j["strict"]]
+                [confidence(each), j["right"], j["strict"]]
                 for j, each in zip(verdicts, found, strict=True)
             ]
         ),
@@ -149,9 +145,7 @@ def _sized(finding: Content, fault: Content) -> bool:
     """Whether the first figure that both have agrees: within a third, or within the interval."""
     for name, true in fault["parameters"].items():
         if name in finding["parameters"]:
-            said = finding["parameters"][name]
-            low, high = said["interval95"]
-            return low <= true <= high or abs(said["value"] - true) <= 0.34 * abs(true)
+            return agrees(finding["parameters"][name], true, 0.34)
     return True
 
 
@@ -164,27 +158,26 @@ def _told(
     joints: Content,
 ) -> dict[str, Any]:
     strict, lenient = _names(fault)
-    ranks = {"named": 0, "listed": 0, "relative": 0, "suspected": 0, "sized": 0, "unknown": 0}
-    for rank, finding in enumerate(found, start=1):
-        if not placed(finding, fault, truth):
-            continue
-        if finding["effect"] in strict:
-            ranks["named"] = ranks["named"] or rank
-            if _sized(finding, fault):
-                ranks["sized"] = ranks["sized"] or rank
-        also = {each["effect"] for each in finding["equivalents"][:3]}
-        if finding["effect"] in strict or also & strict:
-            ranks["listed"] = ranks["listed"] or rank
-        if finding["effect"] in lenient or also & lenient:
-            ranks["relative"] = ranks["relative"] or rank
-    for rank, finding in enumerate(found, start=1):
-        if finding["effect"] == "unknown" and _carried(finding, fault, truth):
-            ranks["unknown"] = ranks["unknown"] or rank
+
+    def here(names: set[str], *, listed: bool = True) -> Callable[[Content], bool]:
+        return lambda finding: (
+            placed(finding, fault, truth)
+            and any(each["effect"] in names for each in alternatives(finding, 3 if listed else 0))
+        )
+
+    named = here(strict, listed=False)
+    ranks = {
+        "named": rank(found, named),
+        "listed": rank(found, here(strict)),
+        "relative": rank(found, here(lenient)),
+        "suspected": int(any(map(named, suspected))),
+        "sized": rank(found, lambda each: named(each) and _sized(each, fault)),
+        "unknown": rank(
+            found, lambda each: each["effect"] == "unknown" and _carried(each, fault, truth)
+        ),
+    }
     if _outstanding(joints) & set(fault["joints"] or joints):
         ranks["unknown"] = ranks["unknown"] or len(found) + 1
-    for finding in suspected:
-        if finding["effect"] in strict and placed(finding, fault, truth):
-            ranks["suspected"] = 1
     return {
         "kind": fault["kind"],
         "effect": fault["effect"],

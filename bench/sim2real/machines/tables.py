@@ -2,11 +2,13 @@
 
 import json
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
 from bench.common.markdown import markdown_table, table_of
+from bench.sim2real.frame.score import by_confidence
 from bench.sim2real.machines.score import FEW
 
 CLEAR = 6.0  # a clear fault moves its channel by so many times what is left without it
@@ -77,7 +79,7 @@ def summary(worlds: pd.DataFrame) -> dict[str, list[float]]:
     return {what: [float(part), float(whole)] for what, _, part, whole in _asked(worlds)}
 
 
-def all_tables(worlds: pd.DataFrame) -> str:
+def all_tables(worlds: pd.DataFrame, not_made: Sequence[str] = ()) -> str:
     """Everything: asked and measured, by kind, false names, confidence against truth."""
     faults = faults_of(worlds)
     by_kind = {"faults": len, "moves, median": lambda some: f"{some.most.median():.1f}"} | {
@@ -94,16 +96,15 @@ def all_tables(worlds: pd.DataFrame) -> str:
         "False names": markdown_table(["false name", "findings", "of these at 0.9 or more"], names),
         "Confidence": confidence_table(worlds),
     }
-    return "\n".join(f"## {title}\n\n{table}" for title, table in parts.items())
+    text = "\n".join(f"## {title}\n\n{table}" for title, table in parts.items())
+    return text + (f"\nNot made: {', '.join(not_made)}.\n" if not_made else "")
 
 
 def confidence_table(worlds: pd.DataFrame) -> str:
     """Stated confidence against truth."""
     pairs = np.array([row for world in worlds.confidences for row in json.loads(world)], float)
-    rows = []
-    for low, high in ((0.75, 0.85), (0.85, 0.9), (0.9, 0.95), (0.95, 0.98), (0.98, 1.01)):
-        some = pairs[(pairs[:, 0] >= low) & (pairs[:, 0] < high)]
-        if len(some):
-            means = [f"{mean:.3f}" for mean in some.mean(axis=0)]
-            rows.append([f"{low:g} to {min(high, 1.0):g}", len(some), *means])
+    rows = [
+        [name, inside.sum(), *(f"{mean:.3f}" for mean in pairs[inside].mean(axis=0))]
+        for name, inside in by_confidence(pairs[:, 0], (0.75, 0.85, 0.9, 0.95, 0.98, 1.01))
+    ]
     return markdown_table(["stated", "findings", "mean", "true", "in its size"], rows)

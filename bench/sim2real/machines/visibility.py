@@ -1,40 +1,38 @@
 """How clear a fault is in the log: what it moves, beside what an ordinary machine leaves."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from scipy.signal import butter, sosfiltfilt
 
-from bench.sim2real.concealed.arm import urdf
-from bench.sim2real.machines.fault import Log
+from bench.sim2real.frame.arm import Arm, urdf
+from bench.sim2real.machines.fault import Fault, Log
 from bench.sim2real.machines.figures import Array
-
-if TYPE_CHECKING:
-    from bench.sim2real.machines.build import Draft
 
 _RATE = 100.0  # of the grid that is filtered [Hz]
 _CUTOFF = 6.0  # [Hz]
 _EVERY = 4  # rows of the grid between those that are fitted
 
 
-def visibility(draft: Draft, logs: list[Log], clean: list[Log]) -> list[dict[str, Any]]:
+def visibility(
+    believed: Arm, faults: Sequence[Fault], logs: list[Log], clean: list[Log]
+) -> list[dict[str, Any]]:
     """For each fault: by joint, what is moved over what is left without it.
 
     `moved` is the root mean square of the torque's or the position's difference to the same machine
     without faults, over what a regression leaves there that knows friction, inertias and offsets.
     `unexplained` is what that regression leaves with the fault, over what it leaves without.
     """
-    if not draft.faults:
+    if not faults:
         return []
-    model = pin.buildModelFromXML(urdf(draft.machine.believed))
+    model = pin.buildModelFromXML(urdf(believed))
     with_fault, without = _table(model, logs), _table(model, clean)
     n = model.nq
     result = []
     torques = [(_left(with_fault, j), _left(without, j)) for j in range(n)]
-    for fault in draft.faults:
+    for fault in faults:
         entry: dict[str, Any] = {"kind": fault.kind, "moved": {}, "unexplained": {}}
         for j in fault.joints or range(n):
             name = f"joint{j + 1}"

@@ -9,7 +9,7 @@ import pandas as pd
 import typer
 
 from bench.common.markdown import table_of
-from bench.common.sealed import SEALED, STUDIES
+from bench.sim2real.frame.sealed import SEALED, STUDIES
 
 Worlds = Annotated[Path, typer.Option(help="Folder of a run of bench.sim2real.machines.")]
 Tool = Annotated[str, typer.Option(help="First letters of the digest of the tool.")]

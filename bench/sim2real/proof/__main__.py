@@ -58,11 +58,8 @@ def main(
             getattr(proof, stage)()
         if Stage.MACHINES in stages:
             first = machines.FIRST_PROOF_SEED if seed is None and not quick else seed or 0
-            worlds = machines.plan(first, max(1, (10 if quick else MACHINES) // every))
-            second = machines.Run(out=out / "machines", plan=worlds, **cluster)
-            second.freeze()
-            for stage in OWN:
-                getattr(second, stage)()
+            count = max(1, (10 if quick else MACHINES) // every)
+            machines.run_of(out / "machines", first, count, **cluster).run()
         if recordings is not None and Stage.REAL in stages:
             diagnose_real(recordings, out)
 

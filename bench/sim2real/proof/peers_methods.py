@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.sim2real.proof.peers_data import (
+from bench.sim2real.frame.tracks import (
     REST,
     Array,
     Believed,

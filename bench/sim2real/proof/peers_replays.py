@@ -21,7 +21,7 @@ from bench.common import commands as cli
 from bench.common.digests import code_digest
 from bench.common.markdown import markdown_table
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.proof.peers_data import Array, Track, smooth
+from bench.sim2real.frame.tracks import Array, Track, smooth
 from bench.sim2real.proof.peers_report import TITLES
 from bench.sim2real.proof.peers_run import ROOM, specs
 from bench.sim2real.proof.peers_study import COLUMNS, Case, one_thread

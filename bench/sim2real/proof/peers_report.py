@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from bench.common.markdown import markdown_table, table_of
 from bench.common.whole_files import write_whole
-from bench.sim2real.proof.peers_data import Array, smooth
+from bench.sim2real.frame.tracks import Array, smooth
 from bench.sim2real.proof.peers_study import METHODS, Case, WorldSpec, affected, nothing, one_thread
 
 TITLES = {"validate": "held out", "faster": "faster", "poses": "other poses", "load": "other load"}

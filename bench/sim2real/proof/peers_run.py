@@ -17,8 +17,8 @@ import typer
 
 from bench.common import commands as cli
 from bench.common.digests import code_digest
-from bench.sim2real.concealed.robots import NAMES
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.robots import NAMES
 from bench.sim2real.proof.peers_report import (
     effect_table,
     level_table,

@@ -15,7 +15,7 @@ import numpy as np
 from bench.sim2real.concealed.beyond import CONDITIONS, make_beyond
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.proof.peers_data import Array, Track, beyond_track, smooth, study_tracks
+from bench.sim2real.frame.tracks import Array, Track, beyond_track, smooth, study_tracks
 from bench.sim2real.proof.peers_methods import (
     Predictor,
     boosting,

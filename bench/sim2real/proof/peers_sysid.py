@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from bench.sim2real.proof.peers_data import Array, Track
+from bench.sim2real.frame.tracks import Array, Track
 from bench.sim2real.proof.peers_methods import Predictor, error_of
 from pdoik.sim2real import Study
 

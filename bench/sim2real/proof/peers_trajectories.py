@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from bench.sim2real.proof.peers_data import Array, Believed
+from bench.sim2real.frame.tracks import Array, Believed
 from bench.sim2real.proof.peers_sysid import (
     LATEST,
     WORTH,

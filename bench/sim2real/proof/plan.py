@@ -1,14 +1,12 @@
 """Which worlds are made, under which names, and what is asked of the diagnosis."""
 
-import zlib
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
-from bench.common import sealed
 from bench.sim2real.concealed.catalogue import EFFECTS, campaign
 from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
+from bench.sim2real.frame import sealed
+from bench.sim2real.frame.streams import stream
 from bench.sim2real.proof.reach import ASKED
 
 DEVELOPMENT_SEEDS = 10_000  # and below
@@ -72,5 +70,5 @@ def plan(seed: int | None = None, *, quick: bool = False, every: int = 1) -> Pla
 
 def named(specs: list[WorldSpec], seed: int) -> dict[str, WorldSpec]:
     """study0001 and so on, in an order that only the seed tells."""
-    order = np.random.default_rng([seed, zlib.crc32(b"names")]).permutation(len(specs))
+    order = stream(seed, "names").permutation(len(specs))
     return {f"study{k + 1:04d}": specs[index] for k, index in enumerate(order)}

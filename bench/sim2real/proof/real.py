@@ -16,10 +16,10 @@ from typing import Annotated, Any
 import typer
 
 import pdoik
-from bench.common.blind import blind
 from bench.common.commands import OutFolder, console, plain_errors, show, write_report
 from bench.common.digests import digest_of_folder
 from bench.common.whole_files import write_text
+from bench.sim2real.frame.blind import blind
 from bench.sim2real.proof.real_machine import Machine, write_study
 from bench.sim2real.proof.real_report import report, totals_table
 from bench.sim2real.proof.real_studies import MACHINES

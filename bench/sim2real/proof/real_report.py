@@ -6,8 +6,8 @@ from operator import add
 from pathlib import Path
 from typing import Any
 
-from bench.common.blind import as_diagnosis
 from bench.common.markdown import markdown_table
+from bench.sim2real.frame.score import as_diagnosis
 from bench.sim2real.proof.real_counts import Tally, broken, tally
 from bench.sim2real.proof.real_machine import Machine
 

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 import pdoik
-from bench.ik.judges.arm_meshes import go2_urdf
+from bench.common.descriptions import go2_urdf
 from bench.sim2real.proof.real_facts import (
     delay_between,
     friction_at,

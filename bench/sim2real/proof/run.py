@@ -5,17 +5,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import pandas as pd
 
 from bench.common.commands import BUILD, console, show
-from bench.common.digests import digest_of_files, digest_of_folder
+from bench.common.digests import digest_of_files
 from bench.common.provenance import provenance
-from bench.common.sealed import SealedRun, append_record, record
 from bench.common.whole_files import write_text, write_whole
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.sealed import Room, SealedRun, append_record, record
 from bench.sim2real.proof import confusion, failures, true_model
 from bench.sim2real.proof.plan import Plan
 from bench.sim2real.proof.reach import scores_of
@@ -23,22 +23,21 @@ from bench.sim2real.proof.score import score
 from bench.sim2real.proof.tables import all_tables, notes_of
 from bench.sim2real.proof.true_model import refit
 
-__all__ = ["Run", "WorldSpec", "generator_digest", "make_study", "scoring_digest"]
-
 HERE = Path(__file__).parent
 RECORD = HERE / "record.jsonl"  # every run of the proof's seeds, bad ones too
 
 
-def generator_digest() -> str:
-    """The worlds."""
-    return digest_of_folder(HERE.parent / "concealed", "*.py")
-
-
-def scoring_digest() -> str:
-    """What turns truths and diagnoses into scores and tables."""
-    files = [(path.name, path) for path in HERE.glob("*.py") if not path.name.startswith("peers_")]
-    others = ("sim2real/diagnosis/score.py", "common/blind.py", "common/one.py", "common/sealed.py")
-    return digest_of_files([*files, *((name, HERE.parents[1] / name) for name in others)])
+WORLDS = HERE.parent / "concealed"
+ROOM = Room(
+    schema="pdoik.proof.seal/1",
+    make_study=make_study,
+    spec=WorldSpec,
+    generators=[path for path in WORLDS.glob("*.py") if path.name != "score.py"],
+    scorers=[
+        *(path for path in HERE.glob("*.py") if not path.name.startswith("peers_")),
+        WORLDS / "score.py",
+    ],
+)
 
 
 @dataclass(kw_only=True)
@@ -46,9 +45,7 @@ class Run(SealedRun):
     """One folder, one plan."""
 
     plan: Plan
-
-    room: ClassVar[str] = __name__
-    schema: ClassVar[str] = "pdoik.proof.seal/1"
+    room: str = __name__
 
     def conceal(self) -> bool:
         made = super().conceal()

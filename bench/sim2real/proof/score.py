@@ -22,16 +22,12 @@ What the right answer to a decoy is, and to a study whose motion cannot show wha
 
 import json
 from collections.abc import Iterable, Mapping
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
-from bench.common.blind import as_diagnosis
 from bench.common.campaign import Row
-from bench.sim2real.diagnosis.score import AFFECTED, last_link, name_of, overlap, rest_of, scores
-
-Content = Mapping[str, Any]  # of JSON
+from bench.sim2real.concealed.score import AFFECTED, last_link, name_of, overlap, rest_of, scores
+from bench.sim2real.frame.score import Content, as_diagnosis
 
 GROUPS = ("clean", "outside", "lying", "still")
 
@@ -56,7 +52,7 @@ def score(name: str, truth: Content, said: Content, true: Mapping[str, float]) -
         "size": truth["size"],
         "verdict": diagnosis["verdict"],
         "first": first_said(truth, diagnosis),
-        **scores(SimpleNamespace(effects=truth["effects"], joints=truth["joints"]), diagnosis),
+        **scores(truth, diagnosis),
         **window(truth, diagnosis),
         **against_true(truth, diagnosis, true),
         **replayed(said),
@@ -157,14 +153,11 @@ def replayed(said: Content) -> Row:
     }
 
 
-Entry = Mapping[str, Any]
-Said = Mapping[str, Any]  # diagnosis.json, or an error as its verdict
-
 NOTHING_MOVES = "no joint moves"  # within the words of a refusal
 CHANNEL_OF_VARIANT = {"speed": "dq", "logged speed": "dq", "position": "q", "logged position": "q"}
 
 
-def unknown_told(hidden: Entry, said: Said) -> bool:
+def unknown_told(hidden: Content, said: Content) -> bool:
     unknown = [each for each in said["findings"] if each["effect"] == "unknown"]
     if said["verdict"] == "mismatch_unexplained" and len(unknown) == len(said["findings"]) == 0:
         return True
@@ -174,12 +167,12 @@ def unknown_told(hidden: Entry, said: Said) -> bool:
     return placed and said["verdict"] in ("mismatch_unexplained", "mismatch_partly_explained")
 
 
-def beside_unknown(said: Said) -> int:
+def beside_unknown(said: Content) -> int:
     """Names claimed where the catalogue has none."""
     return sum(each["effect"] != "unknown" for each in said["findings"])
 
 
-def lie_told(hidden: Entry, said: Said) -> bool:
+def lie_told(hidden: Content, said: Content) -> bool:
     if hidden["kind"] == "tau_model":
         return any("no measurement" in note for note in said["notes"])
     channel, (joint,) = hidden["channel"], hidden["joints"]
@@ -195,14 +188,14 @@ def lie_told(hidden: Entry, said: Said) -> bool:
     )
 
 
-def channel_of(finding: Entry) -> str:
+def channel_of(finding: Content) -> str:
     """The channel whose factor a finding states."""
     if finding["effect"] == "torque_gain":
         return "tau"
     return CHANNEL_OF_VARIANT.get(finding.get("variant", ""), "tau")
 
 
-def nothing_judged(still: Iterable[str], said: Said) -> bool:
+def nothing_judged(still: Iterable[str], said: Content) -> bool:
     """Whether joints that stood still are said not to be judged."""
     joints = said["joints"]
     if said["verdict"] == "cannot_tell" or NOTHING_MOVES in said["verdict"]:
@@ -211,13 +204,13 @@ def nothing_judged(still: Iterable[str], said: Said) -> bool:
     return bool(marked) and all(marked)
 
 
-def still_told(still: Iterable[str], said: Said) -> bool:
+def still_told(still: Iterable[str], said: Content) -> bool:
     names = set(still)
     found = any(names & set(each["joints"]) for each in said["findings"])
     return nothing_judged(names, said) and not found
 
 
-def poor_told(still: Iterable[str], said: Said, *, listed: bool, others: int) -> str:
+def poor_told(still: Iterable[str], said: Content, *, listed: bool, others: int) -> str:
     """How a study with poor motion was answered: named, not judged, or wrong."""
     if listed:
         return "named"

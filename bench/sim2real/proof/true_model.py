@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common.campaign import Job, Row
-from bench.common.sealed import SEALED, STUDIES
+from bench.sim2real.frame.sealed import SEALED, STUDIES
 from pdoik.sim2real import CATALOGUE, Prepared, load_study, prepare
 from pdoik.sim2real.effects import Effect
 from pdoik.sim2real.infer.verdict import preferred

@@ -26,10 +26,10 @@ from bench.common.campaign import Campaign, Row
 from bench.common.digests import code_digest
 from bench.common.intervals import share
 from bench.common.markdown import markdown_table
-from bench.sim2real.concealed.motion import STEP, Motion
+from bench.sim2real.concealed.score import last_link, name_of, placed
 from bench.sim2real.concealed.spec import FIRST_PROOF_SEED, WorldSpec
-from bench.sim2real.concealed.study_files import joint_names
-from bench.sim2real.diagnosis.score import last_link, name_of, placed
+from bench.sim2real.frame.motion import STEP, Motion
+from bench.sim2real.frame.study_files import joint_names
 from bench.sim2real.propose.worlds import WAYS, PoorWorld, Way, poor_world
 from pdoik.sim2real import CATALOGUE, Diagnosis, examine, model_of
 from pdoik.sim2real.effects import Effect

@@ -10,13 +10,13 @@ from typing import Literal
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Array
 from bench.sim2real.concealed.build import hidden_in, write_machine
 from bench.sim2real.concealed.draft import Draft, draft_of
 from bench.sim2real.concealed.effect import Effect
-from bench.sim2real.concealed.motion import STEP, Motion, center, smoothed, smoothstep
 from bench.sim2real.concealed.spec import WorldSpec
-from bench.sim2real.concealed.study_files import joint_names
+from bench.sim2real.frame.arm import Array
+from bench.sim2real.frame.motion import STEP, Motion, center, smoothed, smoothstep
+from bench.sim2real.frame.study_files import joint_names
 
 Way = Literal["slow", "short", "one joint", "one way"]
 WAYS: tuple[Way, ...] = ("slow", "short", "one joint", "one way")

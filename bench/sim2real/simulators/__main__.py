@@ -17,7 +17,7 @@ import pandas as pd
 import typer
 
 from bench.common.campaign import Campaign, Row
-from bench.common.commands import BUILD, OutFolder
+from bench.common.commands import BUILD, OutFolder, console
 from bench.common.markdown import markdown_table
 from bench.sim2real.simulators.robots import Robot, position_servos, robots
 from pdoik.sim2real import Recording, Thresholds
@@ -215,13 +215,7 @@ def main(
 ) -> None:
     """Make the pairs that are missing, and print the table."""
     campaign = Campaign(out, {"pairs": pairs})
-    jobs = jobs_of(pairs)
-    for name, job in jobs.items():
-        if not campaign.has(name):
-            campaign.keep(name, pair(job))
-            typer.echo(f"{name} {job['robot']} {job['kinds']}", err=True)
-    rows = campaign.gather(list(jobs))
-    typer.echo(table(rows))
+    typer.echo(table(campaign.run_here(pair, jobs_of(pairs), console)))
 
 
 if __name__ == "__main__":

@@ -8,8 +8,6 @@ over the log odds of its gain, by logistic regression with a weak prior on both 
 3), for findings are few.
 """
 
-import json
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
@@ -21,34 +19,25 @@ from scipy.optimize import minimize
 from bench.common.commands import show
 from bench.common.intervals import share
 from bench.common.markdown import markdown_table
-from bench.sim2real.simulators.scores import rows_of
+from bench.sim2real.frame.score import by_confidence
+from bench.sim2real.simulators.scores import unfolded
 
 PRIOR = 3.0  # standard deviation of base and slope
 
 
 def main(folders: Annotated[list[Path], typer.Argument(help="Of development's pairs.")]) -> None:
     """Fit, and print how true findings are by confidence."""
-    rows = pd.DataFrame([row for folder in folders for row in findings_of(folder)])
+    worlds = [pd.read_parquet(path) for each in folders for path in each.glob("worlds-*.parquet")]
+    rows = unfolded(pd.concat(worlds), "findings")
     gain = np.clip(rows.gain.to_numpy(dtype=float), 1e-4, 1.0 - 1e-4)
     true = (rows.right != "").to_numpy()
     base, slope = fitted(np.log(gain / (1.0 - gain)), true)
     show(f"{len(rows)} findings, {true.sum()} true: base {base:.2f}, per_gain {slope:.2f}\n")
-    edges = (0.0, 0.5, 0.75, 0.9, 0.97, 1.01)
     table = [
-        (f"{low:g} to {min(high, 1.0):g}", share(rows.right[inside] != ""))
-        for low, high in pairwise(edges)
-        if (inside := (rows.confidence >= low) & (rows.confidence < high)).any()
+        (name, share(true[inside]))
+        for name, inside in by_confidence(rows.confidence.to_numpy(), (0, 0.5, 0.75, 0.9, 0.97, 1))
     ]
     show(markdown_table(("confidence", "true"), table))
-
-
-def findings_of(folder: Path) -> list[dict[str, object]]:
-    """A row for each finding of a campaign's pairs."""
-    found = []
-    for path in sorted((folder / "said").glob("*.json")):
-        answer = json.loads((folder / "answers" / path.name).read_text())
-        found += list(rows_of(answer, json.loads(path.read_text())))
-    return found
 
 
 def fitted(x: np.ndarray, true: np.ndarray) -> tuple[float, float]:

@@ -9,34 +9,21 @@ dry friction 0.2, armature 0.01 in every joint). Errors are those of the held-ou
 """
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import numpy as np
 import typer
-import yaml
 from matplotlib.figure import Figure
 
+from bench.common.descriptions import go2_urdf
 from bench.common.whole_files import write_whole
-from bench.sim2real.simulators.robots import errors_by_joint, found_in, robots
+from bench.sim2real.simulators.robots import compared, errors_by_joint, found_in
 from pdoik.sim2real.report.style import AFTER, BEFORE, MEASURED, house_style, png_of
 from pdoik.sim2real.simulators.candidates import Knob
-from pdoik.sim2real.simulators.compare import Comparison, compare
+from pdoik.sim2real.simulators.compare import Comparison
 
 MAKERS = {"damping": 0.6, "frictionloss": 0.2, "armature": 0.01}
 LEG = 3  # joints of one
-
-
-def study(folder: Path, home: Path) -> Path:
-    """The YAML as a user would write it."""
-    content = {
-        "simulator": {"urdf": str(robots()["go2"].urdf)},
-        "controller": {"type": "pd", "kp": [20.0] * 12, "kd": [1.5] * 12},
-        "recordings": [str(folder.resolve() / "run1.csv")],
-    }
-    path = home / "study.yaml"
-    path.write_text(yaml.safe_dump(content))
-    return path
 
 
 def table(comparison: Comparison) -> str:
@@ -85,8 +72,11 @@ def main(
     image: Annotated[Path | None, typer.Option("--picture", help="PNG to write.")] = None,
 ) -> None:
     """Compare, print the table and what was found, draw one leg."""
-    with TemporaryDirectory() as home:
-        comparison = compare(study(folder, Path(home)))
+    study = {
+        "controller": {"type": "pd", "kp": [20.0] * 12, "kd": [1.5] * 12},
+        "recordings": [str(folder.resolve() / "run1.csv")],
+    }
+    comparison = compared(go2_urdf(), study)
     typer.echo(table(comparison))
     typer.echo(found_in(comparison))
     if image is not None:

@@ -1,15 +1,19 @@
 """The robots whose simulators are wrong, and what scripts on real recordings share."""
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 
-import pdoik
+from bench.common.descriptions import MissingDescriptionError, go2_urdf, shipped
 from bench.common.markdown import markdown_table
-from pdoik.sim2real.simulators.compare import Comparison
+from pdoik.sim2real.simulators.compare import Comparison, compare
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +32,7 @@ def robots() -> dict[str, Robot]:
     """By name; the quadruped only where example-robot-data is installed."""
     found = {
         "panda": Robot(
-            urdf=Path(pdoik.__file__).parent / "robots" / "panda.urdf",
+            urdf=shipped("panda"),
             kp=(400.0, 400.0, 300.0, 300.0, 120.0, 120.0, 60.0),
             kv=(40.0, 40.0, 30.0, 30.0, 8.0, 8.0, 3.0),
             rest=(0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.5),
@@ -36,11 +40,9 @@ def robots() -> dict[str, Robot]:
             joints=7,
         )
     }
-    go2 = "cmeel.prefix/share/example-robot-data/robots/go2_description/urdf/go2.urdf"
-    path = Path(np.__file__).parents[1] / go2
-    if path.is_file():
+    with suppress(MissingDescriptionError):
         found["go2"] = Robot(
-            urdf=path,
+            urdf=go2_urdf(),
             kp=(20.0,) * 12,
             kv=(1.5,) * 12,
             rest=(0.0, 0.9, -1.6) * 4,
@@ -48,6 +50,23 @@ def robots() -> dict[str, Robot]:
             joints=12,
         )
     return found
+
+
+def compared(simulator: str | Path, study: Mapping[str, Any]) -> Comparison:
+    """A study as a user would write it, compared.
+
+    Args:
+        simulator: MJCF as text, or a URDF's file.
+        study: the other keys of its YAML.
+    """
+    with TemporaryDirectory() as home:
+        given = {"urdf": str(simulator)}
+        if isinstance(simulator, str):
+            given = {"mjcf": "simulator.xml"}
+            (Path(home) / "simulator.xml").write_text(simulator)
+        path = Path(home) / "study.yaml"
+        path.write_text(yaml.safe_dump({"simulator": given, **study}))
+        return compare(path)
 
 
 def errors_by_joint(comparison: Comparison, sides: Mapping[str, NDArray[np.float64]]) -> str:

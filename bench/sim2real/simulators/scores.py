@@ -1,5 +1,6 @@
-"""How right a comparison is about a machine of simulator_worlds.py: strictly and leniently."""
+"""How right a comparison is about a machine of worlds.py: strictly and leniently."""
 
+import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -7,14 +8,14 @@ import pandas as pd
 
 from bench.common.intervals import share
 from bench.common.markdown import markdown_table
+from bench.sim2real.frame.score import Content, alternatives
 from bench.sim2real.simulators.worlds import NEAR, SAID
 
-Told = dict[str, Any]
 _BESIDE = {"coulomb_friction": ("frictionloss",), "viscous_friction": ("damping", "kv")}
 _SURE = 0.9
 
 
-def right(finding: Told, answer: Told) -> str:
+def right(finding: Content, answer: Content) -> str:
     """strict, lenient or "": whether what a finding says is there.
 
     Strict is one of the words for what the machine has, at its joint or link. Of an effect that
@@ -31,12 +32,12 @@ def right(finding: Told, answer: Told) -> str:
             return "strict"
     for effect in answer["effects"]:
         words = SAID.get(effect["effect"], ()) + NEAR.get(effect["effect"], ())
-        if any(_says(each, effect, words) for each in (finding, *finding["equivalents"])):
+        if any(_says(each, effect, words) for each in alternatives(finding, None)):
             return "lenient"
     return ""
 
 
-def _says(finding: Told, effect: Told, words: Sequence[str]) -> bool:
+def _says(finding: Content, effect: Content, words: Sequence[str]) -> bool:
     if finding["effect"] not in words:
         return False
     joints, links = set(finding["joints"]), set(finding["links"])
@@ -44,7 +45,7 @@ def _says(finding: Told, effect: Told, words: Sequence[str]) -> bool:
     return bool((joints | links) & (here | set(effect["links"])))
 
 
-def _mass_improves(finding: Told, answer: Told) -> bool:
+def _mass_improves(finding: Content, answer: Content) -> bool:
     """Whether a mass comes nearer to the true one, where all masses are misjudged."""
     masses, value = answer["masses"], finding["values"].get("mass")
     if not masses or value is None or not set(finding["links"]) <= set(masses):
@@ -53,9 +54,23 @@ def _mass_improves(finding: Told, answer: Told) -> bool:
     return abs(value / masses[link] - 1.0) < 0.04  # where it is about 0.05 off
 
 
-def rows_of(answer: Told, said: Told) -> Iterator[Told]:
+def score(name: str, answer: Content, said: Content) -> dict[str, Any]:
+    """One row: what was said and what is there, a JSON list of each."""
+    found = said.get("comparison", {}).get("findings", [])
+    return {
+        "name": name,
+        "clean": not answer["effects"] and not answer["masses"],
+        "silent": not any(each["claimed"] for each in found),
+        "failed": "error" in said,
+        "seconds": said["seconds"],
+        "findings": json.dumps(list(rows_of(answer, found))),
+        "causes": json.dumps(list(causes_of(answer, found))),
+    }
+
+
+def rows_of(answer: Content, found: Sequence[Content]) -> Iterator[dict[str, Any]]:
     about = {key: answer["job"][key] for key in ("name", "effect", "background", "torque")}
-    for finding in said["findings"]:
+    for finding in found:
         yield {
             **about,
             "said": finding["effect"],
@@ -66,27 +81,30 @@ def rows_of(answer: Told, said: Told) -> Iterator[Told]:
         }
 
 
-def causes_of(answer: Told, said: Told) -> Iterator[Told]:
+def causes_of(answer: Content, found: Sequence[Content]) -> Iterator[dict[str, Any]]:
     """A row for each thing that is there: whether it was claimed, by its word or nearly."""
     for effect in answer["effects"]:
         words = SAID.get(effect["effect"], ())
         near = words + NEAR.get(effect["effect"], ())
-        claimed = [f for f in said["findings"] if f["claimed"]]
-        listed = [each for f in claimed for each in (f, *f["equivalents"])]
+        claimed = [f for f in found if f["claimed"]]
+        listed = [each for f in claimed for each in alternatives(f, None)]
         yield {
             "effect": effect["effect"],
             "role": effect["role"],
             "has word": bool(words),
             "strict": any(_says(f, effect, words) for f in claimed),
-            "lenient": any(_says(f, effect, near) for f in (*listed, *said["findings"])),
+            "lenient": any(_says(f, effect, near) for f in (*listed, *found)),
         }
 
 
-def tables(answers: Sequence[Told], said: Sequence[Told]) -> str:
+def unfolded(worlds: pd.DataFrame, column: str) -> pd.DataFrame:
+    """A row per finding, or per cause, of all worlds."""
+    return pd.DataFrame([row for world in worlds[column] for row in json.loads(world)])
+
+
+def all_tables(worlds: pd.DataFrame, not_made: Sequence[str] = ()) -> str:
     """Precision, recall, and what confidences are worth."""
-    both = list(zip(answers, said, strict=True))
-    findings = pd.DataFrame([row for a, s in both for row in rows_of(a, s)])
-    causes = pd.DataFrame([row for a, s in both for row in causes_of(a, s)])
+    findings, causes = (unfolded(worlds, column) for column in ("findings", "causes"))
     claimed = findings[findings.claimed]
     sure = claimed[claimed.confidence >= _SURE]
     precision = [
@@ -114,13 +132,12 @@ def tables(answers: Sequence[Told], said: Sequence[Told]) -> str:
         (effect, share(part.strict), share(part.lenient))
         for effect, part in causes[causes.role == "hidden"].groupby("effect")
     ]
-    clean = [s for a, s in both if not a["effects"] and not a["masses"]]
-    silent = sum(not any(f["claimed"] for f in s["findings"]) for s in clean)
-    failed = [a["job"]["name"] for a, s in both if "error" in s]
+    clean = worlds[worlds.clean]
     return "\n".join(
         (
-            f"{len(both)} pairs; {silent} of {len(clean)} clean machines of which nothing is said;"
-            f" {len(failed)} that could not be compared.\n",
+            f"{len(worlds)} pairs; {clean.silent.sum()} of {len(clean)} clean machines of which"
+            f" nothing is said; {worlds.failed.sum()} that could not be compared,"
+            f" {len(not_made)} that could not be made.\n",
             markdown_table(("claims", "right, strict", "lenient"), precision),
             markdown_table(("there", "claimed by its word", "or nearly, or suspected"), recall),
             markdown_table(("hidden", "claimed by its word", "or nearly, or suspected"), by_effect),

@@ -11,23 +11,18 @@ is left out: it was logged as a share of its range, and the simulator holds it.
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import Annotated, Any
 
 import mujoco
 import numpy as np
 import typer
-import yaml
 
-from bench.sim2real.simulators.robots import position_servos, told_of
+from bench.common.descriptions import published
+from bench.sim2real.simulators.robots import compared, position_servos, told_of
 from pdoik.sim2real.simulation.description import read_description
 from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
 from pdoik.sim2real.simulation.plant import build_plant
-from pdoik.sim2real.simulators.compare import compare
 
-URDF = Path(np.__file__).parents[1] / (
-    "cmeel.prefix/share/example-robot-data/robots/so_arm_description/urdf/so101.urdf"
-)
 LOGGED = {
     "shoulder_pan": "rotation",
     "shoulder_lift": "pitch",
@@ -80,8 +75,9 @@ FIGURES = {
 
 def simulator(figures: Figures) -> str:
     """MJCF of the arm without its shapes, under position actuators."""
-    joints = movable_joints(read_description(URDF))
-    plant = build_plant(URDF, joints)
+    urdf = published("so_arm_description/urdf/so101.urdf")
+    joints = movable_joints(read_description(urdf))
+    plant = build_plant(urdf, joints)
     model, dof = plant.model, list(plant.dof)
     model.dof_damping[dof], model.dof_frictionloss[dof] = figures.damping, figures.frictionloss
     model.dof_armature[dof] = figures.armature
@@ -93,12 +89,10 @@ def simulator(figures: Figures) -> str:
     return mjcf_text(model, actuators=servos, timestep=figures.timestep)
 
 
-def study(folder: Path, home: Path, figures: Figures) -> Path:
-    """The YAML as a user would write it, beside the simulator."""
-    (home / "arm.xml").write_text(simulator(figures))
+def study(folder: Path) -> dict[str, Any]:
+    """The keys of the YAML as a user would write it, but for the simulator."""
     files = sorted(folder.resolve().glob("*.csv"))
-    content = {
-        "simulator": {"mjcf": "arm.xml"},
+    return {
         "joints": list(LOGGED),
         "columns": {
             channel: {joint: f"{channel}.{name}" for joint, name in LOGGED.items()}
@@ -110,9 +104,6 @@ def study(folder: Path, home: Path, figures: Figures) -> Path:
             for file in files
         ],
     }
-    path = home / "study.yaml"
-    path.write_text(yaml.safe_dump(content))
-    return path
 
 
 def main(
@@ -120,8 +111,7 @@ def main(
     figures: Annotated[Public, typer.Option(help="Public simulator.")] = Public.SO_ARM100,
 ) -> None:
     """Compare, print the table and what was found."""
-    with TemporaryDirectory() as home:
-        typer.echo(told_of(compare(study(folder, Path(home), FIGURES[figures]))))
+    typer.echo(told_of(compared(simulator(FIGURES[figures]), study(folder))))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ Stribeck's, play, elasticity, ripple; a controller that samples; noisy, quantise
 rows. The user's simulator is their URDF under their gains, which knows nothing of it.
 """
 
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,11 +12,12 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from bench.sim2real.concealed import spec as concealed
 from bench.sim2real.concealed.build import drawn, write_machine
 from bench.sim2real.concealed.draft import Draft, draft_of
 from bench.sim2real.concealed.effect import Effect
 from bench.sim2real.concealed.effects_friction import Coulomb, Viscous
-from bench.sim2real.concealed.spec import WorldSpec
+from bench.sim2real.frame.study_files import write_truth
 
 SECONDS = {"fit": 13.0, "validate": 7.0}  # of the recordings that are given
 RUBS = (0.003, 0.02)  # of the drive's effort: friction of a background, and viscous at 1 rad/s
@@ -52,7 +52,7 @@ BACKGROUNDS = ("none", "rubs", "inertia")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Job:
+class WorldSpec:
     """One world to be made."""
 
     name: str
@@ -63,7 +63,7 @@ class Job:
     torque: bool  # whether it is logged
 
 
-def jobs_of(first: int, count: int) -> list[Job]:
+def specs_of(first: int, count: int) -> list[WorldSpec]:
     """Worlds from a first seed on, in an order that only the seed tells."""
     rng = np.random.default_rng([first, 7])
     effects = [*SAID, *NEAR, "clean", "clean"]
@@ -74,7 +74,7 @@ def jobs_of(first: int, count: int) -> list[Job]:
         if k % len(effects) == 0
     ][:count]
     return [
-        Job(
+        WorldSpec(
             name=f"pair{k + 1:03d}",
             seed=first + k,
             robot=str(rng.choice(["random2", "random3"])),
@@ -86,11 +86,11 @@ def jobs_of(first: int, count: int) -> list[Job]:
     ]
 
 
-def make(job: Job, folder: Path, truth: Path) -> None:
-    """Write the study of a machine, compare.yaml in it, and elsewhere what the machine has."""
+def make_study(folder: Path, job: WorldSpec, truth_folder: Path) -> None:
+    """Writes the study of a machine, compare.yaml in it, and elsewhere what the machine has."""
     size = float(np.random.default_rng([job.seed, 3]).uniform(8.0, 40.0))
     for attempt in range(6):
-        spec = WorldSpec(
+        spec = concealed.WorldSpec(
             seed=job.seed,
             effect=job.effect,
             hide="inertia" if job.background == "inertia" else "plain",
@@ -105,7 +105,7 @@ def make(job: Job, folder: Path, truth: Path) -> None:
         except RuntimeError:
             continue
         _for_compare(folder, draft, job)
-        truth.write_text(json.dumps(_answer(job, draft, effects, around), indent=1) + "\n")
+        write_truth(truth_folder, folder, _answer(job, draft, effects, around))
         return
     raise RuntimeError(f"{job}: no arm bears it")
 
@@ -135,7 +135,7 @@ def _rubs(draft: Draft, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
     return tuple(found)
 
 
-def _for_compare(folder: Path, draft: Draft, job: Job) -> None:
+def _for_compare(folder: Path, draft: Draft, job: WorldSpec) -> None:
     """compare.yaml, and recordings as short as they are given."""
     study = yaml.safe_load((folder / "study.yaml").read_text())
     study["simulator"] = {"urdf": study.pop("robot")}
@@ -152,7 +152,7 @@ def _for_compare(folder: Path, draft: Draft, job: Job) -> None:
 
 
 def _answer(
-    job: Job, draft: Draft, effects: tuple[Effect, ...], around: tuple[Effect, ...]
+    job: WorldSpec, draft: Draft, effects: tuple[Effect, ...], around: tuple[Effect, ...]
 ) -> dict[str, object]:
     """What is there: of each effect its places and figures, hidden or of the background."""
     names = [f"joint{k + 1}" for k in range(draft.arm.n)]

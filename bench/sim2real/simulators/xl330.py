@@ -9,15 +9,12 @@ filter are in no data sheet. The drive lets go in one of the four motions, which
 """
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
-import yaml
 
-from bench.sim2real.simulators.robots import told_of
-from pdoik.sim2real.simulators.compare import compare
+from bench.sim2real.simulators.robots import compared, told_of
 
 MOTIONS, HELD_OUT = ("sin_sin", "up_and_down"), "sin_time_square"
 MASS, ARM = 0.49, 0.1  # [kg], [m]
@@ -42,11 +39,9 @@ def simulator(gain: int) -> str:
 </mujoco>"""
 
 
-def study(folder: Path, home: Path, gain: int) -> Path:
-    """The YAML as a user would write it, beside the simulator."""
-    (home / "servo.xml").write_text(simulator(gain))
-    content = {
-        "simulator": {"mjcf": "servo.xml"},
+def study(folder: Path, gain: int) -> dict[str, Any]:
+    """The keys of the YAML as a user would write it, but for the simulator."""
+    return {
         "joints": ["joint1"],
         "ignore": ["duty.joint1", "volts", "temperature"],
         "recordings": [
@@ -57,9 +52,6 @@ def study(folder: Path, home: Path, gain: int) -> Path:
             for motion in (*MOTIONS, HELD_OUT)
         ],
     }
-    path = home / "study.yaml"
-    path.write_text(yaml.safe_dump(content))
-    return path
 
 
 def main(
@@ -67,8 +59,7 @@ def main(
     gain: Annotated[int, typer.Option(help="Of the firmware: 100 or 400.")] = 400,
 ) -> None:
     """Compare, print the table and what was found."""
-    with TemporaryDirectory() as home:
-        typer.echo(told_of(compare(study(folder, Path(home), gain))))
+    typer.echo(told_of(compared(simulator(gain), study(folder, gain))))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from bench.ik.goals.peers.drake_ik import DrakeIk
 from bench.ik.goals.peers.mink_ik import MinkIk
 from bench.ik.goals.peers.ours import Ours
 from bench.ik.goals.peers.problems import Answer, Maker, Peer
-from bench.ik.safety.report import Jobs, Line, share
+from bench.ik.lines import Jobs, Line, share
 from bench.ik.soak.solves import Row
 
 __all__ = ["COUNTS", "SIZES", "SOLVERS", "Peer", "jobs", "lines", "run_job"]

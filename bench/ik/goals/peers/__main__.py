@@ -13,8 +13,8 @@ from bench.common import commands
 from bench.common.grouped import grouped_table, time_at
 from bench.ik.experiment import tell
 from bench.ik.goals import peers
+from bench.ik.lines import share
 from bench.ik.rows import measure
-from bench.ik.safety.report import share
 
 
 def main(

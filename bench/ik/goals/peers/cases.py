@@ -9,11 +9,12 @@ import numpy as np
 
 import pdoik
 from bench.common.arrays import FloatArray
+from bench.common.descriptions import shipped
 from bench.ik.goals import five, grasps, hands, regions
 from bench.ik.goals.peers.body import Body, by_capsules
 from bench.ik.goals.peers.judge import Judge
 from bench.ik.goals.peers.problems import STARTS, STARTS_OF_HANDS, Answer, Peer, Region
-from bench.ik.goals.world import POSITION, angle, random_in, shipped
+from bench.ik.goals.world import POSITION, angle, random_in
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

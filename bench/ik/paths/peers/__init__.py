@@ -6,6 +6,7 @@ wrong but the way between stations, of which peers know nothing.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -14,6 +15,7 @@ import pandas as pd
 
 from bench.common.arrays import FloatArray
 from bench.common.intervals import duration
+from bench.ik.lines import Line, jobs_of, share
 from bench.ik.paths import axis, free
 from bench.ik.paths.arms import ARMS
 from bench.ik.paths.curves import CURVES
@@ -21,7 +23,6 @@ from bench.ik.paths.judge import judged
 from bench.ik.paths.peers.chains import chained, in_moveits_way
 from bench.ik.paths.peers.grid import on_a_grid
 from bench.ik.paths.problem import Problem
-from bench.ik.safety.report import Jobs, Line, share
 from bench.ik.soak.solves import Row
 
 __all__ = ["SIZES", "jobs", "lines", "run_job"]
@@ -31,14 +32,7 @@ DRAW = {"free": free.draw, "axis": axis.draw}
 BETWEEN = {"way_position", "way_rotation"}
 
 
-def jobs(size: int, seed: int) -> Jobs:
-    """A path each."""
-    return {
-        f"{k:03d}-{row}-{arm}": {"index": k, "seed": seed, "arm": arm, "row": row}
-        for k in range(size)
-        for row in DRAW
-        for arm in ARMS
-    }
+jobs = partial(jobs_of, row=DRAW, arm=ARMS)
 
 
 def run_job(job: Mapping[str, Any]) -> list[Row]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,19 @@ import numpy as np
 from bench.common.markdown import markdown_table
 
 Jobs = dict[str, dict[str, Any]]
+
+
+def jobs_of(size: int, seed: int, **axes: Iterable[str]) -> Jobs:
+    """So many indices of all that the axes name; the last axis changes fastest."""
+    return {
+        "-".join([f"{index:03d}", *(word.replace(" ", "_") for word in words)]): {
+            "index": index,
+            "seed": seed,
+            **dict(zip(axes, words, strict=True)),
+        }
+        for index in range(size)
+        for words in product(*axes.values())
+    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array, Joint, Link, pose, read_chain, rotation_rpy
+from bench.sim2real.frame.arm import Arm, Array, Joint, Link, pose, read_chain, rotation_rpy
 
 FOLDER = Path(__file__).parents[3] / "cpp" / "robots"
 KNOWN = {

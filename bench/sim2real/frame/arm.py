@@ -1,9 +1,9 @@
-"""A serial arm as plain figures: read from a URDF, written as a URDF or as MuJoCo's MJCF."""
+"""A serial arm as plain figures: read from a URDF, written as one."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -85,24 +85,6 @@ class Arm:
         joints = list(self.joints)
         joints[index] = replace(joints[index], T_parent_joint=T)
         return replace(self, joints=tuple(joints))
-
-
-@dataclass(slots=True)
-class Machine:
-    """What MuJoCo simulates beyond the chain: one entry per joint."""
-
-    armature: list[float]  # [kg m^2]
-    damping: list[float]  # [N m s/rad]
-    frictionloss: list[float]  # [N m]
-    series: dict[int, str] = field(default_factory=dict)  # second hinge's attributes, by joint
-    gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
-    tendons: list[str] = field(default_factory=list)
-    extra: str = ""  # bodies in the last body
-
-    @classmethod
-    def of(cls, armature: Array) -> Machine:
-        n = len(armature)
-        return cls(list(map(float, armature)), [0.0] * n, [0.0] * n)
 
 
 def rotation_rpy(rpy: Array) -> Array:
@@ -199,7 +181,7 @@ def read_chain(path: Path, base: str, tip: str) -> Arm:
     return Arm(joints=tuple(joints), links=tuple(bodies), T_last_tip=T)
 
 
-def _words(values: Array) -> str:
+def words(values: Array) -> str:
     return " ".join(f"{float(value):.9g}" for value in np.asarray(values).ravel())
 
 
@@ -212,7 +194,7 @@ def urdf(arm: Arm) -> str:
         lines += [
             f'  <link name="link{index}">',
             "    <inertial>",
-            f'      <origin xyz="{_words(link.com)}" rpy="0 0 0"/>',
+            f'      <origin xyz="{words(link.com)}" rpy="0 0 0"/>',
             f'      <mass value="{link.mass:.9g}"/>',
             f'      <inertia ixx="{J[0, 0]:.9g}" ixy="{J[0, 1]:.9g}" ixz="{J[0, 2]:.9g}"'
             f' iyy="{J[1, 1]:.9g}" iyz="{J[1, 2]:.9g}" izz="{J[2, 2]:.9g}"/>',
@@ -221,8 +203,8 @@ def urdf(arm: Arm) -> str:
             f'  <joint name="joint{index}" type="revolute">',
             f'    <parent link="{parent}"/>',
             f'    <child link="link{index}"/>',
-            f'    <origin xyz="{_words(T[:3, 3])}" rpy="{_words(rpy_of(T[:3, :3]))}"/>',
-            f'    <axis xyz="{_words(joint.axis)}"/>',
+            f'    <origin xyz="{words(T[:3, 3])}" rpy="{words(rpy_of(T[:3, :3]))}"/>',
+            f'    <axis xyz="{words(joint.axis)}"/>',
             f'    <limit lower="{joint.lower:.6g}" upper="{joint.upper:.6g}"'
             f' effort="{joint.effort:.6g}" velocity="{joint.speed:.6g}"/>',
             "  </joint>",
@@ -233,39 +215,8 @@ def urdf(arm: Arm) -> str:
         '  <joint name="tool_joint" type="fixed">',
         f'    <parent link="link{arm.n}"/>',
         '    <child link="tool"/>',
-        f'    <origin xyz="{_words(T[:3, 3])}" rpy="{_words(rpy_of(T[:3, :3]))}"/>',
+        f'    <origin xyz="{words(T[:3, 3])}" rpy="{words(rpy_of(T[:3, :3]))}"/>',
         "  </joint>",
         "</robot>",
     ]
     return "\n".join(lines) + "\n"
-
-
-def mjcf(arm: Arm, machine: Machine, timestep: float) -> str:
-    """The arm as MuJoCo simulates it; joint k is `m{k}`, a second hinge in series `s{k}`."""
-    head = (
-        f'<mujoco><compiler angle="radian" autolimits="false"/>'
-        f'<option timestep="{timestep:.9g}" gravity="{_words(machine.gravity)}"'
-        f' integrator="implicitfast"><flag contact="disable"/></option><worldbody>'
-    )
-    body = ""
-    for k, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
-        T, J = joint.T_parent_joint, link.inertia
-        full = (J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2])
-        body += (
-            f'<body name="b{k}" pos="{_words(T[:3, 3])}" quat="{_words(quaternion(T[:3, :3]))}">'
-            f'<inertial pos="{_words(link.com)}" mass="{link.mass:.9g}"'
-            f' fullinertia="{_words(np.array(full))}"/>'
-            f'<joint name="m{k}" type="hinge" axis="{_words(joint.axis)}"'
-            f' armature="{machine.armature[k]:.9g}" damping="{machine.damping[k]:.9g}"'
-            f' frictionloss="{machine.frictionloss[k]:.9g}"'
-            f' solreffriction="{2.2 * timestep:.9g} 1" solimpfriction="0.97 0.99 0.001 0.5 2"/>'
-        )
-        if k in machine.series:
-            body += (
-                f'<joint name="s{k}" type="hinge" axis="{_words(joint.axis)}" {machine.series[k]}/>'
-            )
-    T = arm.T_last_tip
-    tip = f'<site name="tip" pos="{_words(T[:3, 3])}" quat="{_words(quaternion(T[:3, :3]))}"/>'
-    tail = "</body>" * arm.n + "</worldbody>"
-    tendon = f"<tendon>{''.join(machine.tendons)}</tendon>" if machine.tendons else ""
-    return head + body + tip + machine.extra + tail + tendon + "</mujoco>"

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bench.sim2real.concealed.arm import Arm, Array
+from bench.sim2real.frame.arm import Arm, Array
 
 STEP = 1e-3  # of the commands' grid [s]
 KINDS = ("sines", "moves", "reversals", "fast_moves")

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from bench.sim2real.concealed.arm import Arm, Array, urdf
+from bench.common.whole_files import write_text
+from bench.sim2real.frame.arm import Arm, Array
 
 DIGITS = {"q": 7, "dq": 6, "tau": 5, "q_des": 7, "dq_des": 6, "tau_cmd": 5}
 TIP = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -44,12 +45,20 @@ def write_recording(
     path.write_text(",".join(names) + "\n" + "".join(lines))
 
 
-def write_study(folder: Path, arm: Arm, study: dict[str, Any]) -> None:
-    (folder / "robot.urdf").write_text(urdf(arm))
+def write_study(folder: Path, urdf: str, study: dict[str, Any]) -> None:
+    """Writes robot.urdf and study.yaml."""
+    write_text(folder / "robot.urdf", urdf)
     text = yaml.safe_dump(study, sort_keys=False, default_flow_style=None, width=100)
-    (folder / "study.yaml").write_text(text)
+    write_text(folder / "study.yaml", text)
 
 
-def write_truth(path: Path, truth: dict[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(truth, indent=1, sort_keys=True) + "\n")
+def write_truth(folder: Path, study: Path, truth: dict[str, Any]) -> None:
+    """Writes what is hidden in a study to a file of the study's name in another folder.
+
+    Raises:
+        ValueError: the folder lies in the study's own.
+    """
+    if folder.resolve().is_relative_to(study.resolve()):
+        raise ValueError(f"truth: expected a folder outside of {study}, got {folder}")
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / f"{study.name}.json", json.dumps(truth, indent=1, sort_keys=True) + "\n")

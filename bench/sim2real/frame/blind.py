@@ -10,10 +10,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pdoik
 from bench.common.campaign import Job, Row
 from bench.common.digests import tool_digest
 
@@ -29,7 +29,7 @@ def diagnose(job: Job) -> list[Row]:
     Raises:
         RuntimeError: the tool installed on this worker is not the frozen one.
     """
-    said = blind(Path(job["study"]))
+    said = blind(Path(job["study"]), job.get("longest", LONGEST))
     if tool_digest() != job["tool"]:
         raise RuntimeError("the pdoik.sim2real installed here is not the one that was frozen")
     return [{"name": job["name"], "said": json.dumps(said)}]
@@ -38,18 +38,21 @@ def diagnose(job: Job) -> list[Row]:
 def blind(study: Path, longest: float = LONGEST, tool: Path | None = None) -> dict[str, Any]:
     """The result of one.py on a copy of a study's folder; a crash or a timeout is a result too.
 
-    Neither arguments, environment nor folder of the process lead to the truth.
+    Neither arguments, environment nor folder of the process lead to the truth. A study with a
+    compare.yaml is compared with its simulator, any other diagnosed.
 
     Args:
         study: its folder.
         longest: that it may take [s].
-        tool: folder of the package pdoik; the one that is installed without it.
+        tool: folder that holds the package pdoik; without it the one that is imported here.
     """
+    tool = tool or _not_installed()
+    file = "compare.yaml" if (study / "compare.yaml").is_file() else "study.yaml"
     isolated = "-I" if tool is None else "-P"
     path = {} if tool is None else {"PYTHONPATH": str(tool)}
     with tempfile.TemporaryDirectory(prefix="pdoik-blind-") as folder:
         shutil.copytree(study, Path(folder) / "study")
-        command = [sys.executable, isolated, str(ONE), "study/study.yaml", "result.json"]
+        command = [sys.executable, isolated, str(ONE), f"study/{file}", "result.json"]
         begin = time.perf_counter()
         try:
             done = subprocess.run(
@@ -74,15 +77,14 @@ def blind(study: Path, longest: float = LONGEST, tool: Path | None = None) -> di
         return {**json.loads(result.read_text()), "process_seconds": took}
 
 
+def _not_installed() -> Path | None:
+    """The folder of the package pdoik, where it is a checkout's and not this Python's own."""
+    folder = Path(pdoik.__file__).absolute().parents[1]
+    return None if folder.is_relative_to(sys.prefix) else folder
+
+
 def environment(home: str) -> dict[str, str]:
     """One thread, and nothing that tells where this came from."""
     names = ("PATH", "LANG", "LD_LIBRARY_PATH")
     kept = {name: os.environ[name] for name in names if name in os.environ}
     return {**kept, "HOME": home, "TMPDIR": home, **dict.fromkeys(THREADS, "1")}
-
-
-def as_diagnosis(said: Mapping[str, Any]) -> dict[str, Any]:
-    """A result in the shape of diagnosis.json; an error is its verdict."""
-    if "diagnosis" in said:
-        return dict(said["diagnosis"])
-    return {"verdict": f"error: {said['error']}", "findings": [], "joints": {}, "notes": []}

@@ -10,22 +10,65 @@ import importlib
 import json
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar
 
 import pandas as pd
 
-from bench.common.blind import diagnose
 from bench.common.campaign import CampaignError, Job, Row
-from bench.common.commands import console, run_campaign
+from bench.common.commands import console, run_campaign, show, write_report
 from bench.common.digests import digest_of, digest_of_files, digest_of_folder, tool_digest
 from bench.common.whole_files import write_text
+from bench.sim2real.frame.blind import LONGEST, diagnose
 
+HERE = Path(__file__).parent
 STUDIES, SEALED = "studies", "sealed"
 FROZEN, SEAL = "frozen.json", "seal.json"
+Stage = StrEnum("Stage", {name.upper(): name for name in ("conceal", "diagnose", "score")})
+GENERATORS = ("arm.py", "motion.py", "robots.py", "streams.py", "study_files.py")
+SCORERS = ("blind.py", "one.py", "score.py")
+Tables = Callable[[pd.DataFrame, Sequence[str]], str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Room:
+    """One kind of worlds: what makes them, and what scores what is said of them.
+
+    A module has it as ROOM, so that workers find it by the module's name.
+    """
+
+    schema: str  # of the seal
+    make_study: Callable[..., Any]  # of the study's folder, its spec and the truth's folder
+    spec: type  # what a world is asked to be; fields that JSON can hold
+    generators: Sequence[Path]  # the files that decide what a world is
+    scorers: Sequence[Path]  # the files that turn truths and diagnoses into scores
+    longest: float = LONGEST  # that a diagnosis may take [s]
+    score: Callable[[str, Any, Any], Row] | None = None  # a row of a name, a truth, what was said
+    tables: Tables | None = None  # of the rows, and the names of worlds that could not be made
+    summary: Callable[[pd.DataFrame], Any] | None = None  # what a record keeps of the rows
+    record: Path | None = None  # of runs of the proof's seeds
+    first_proof_seed: int = 0
+
+    @classmethod
+    def of(cls, module: str) -> Room:
+        room: Room = importlib.import_module(module).ROOM
+        return room
+
+    def generator(self) -> str:
+        """A digest of all that decides what a world is, the frame's files too."""
+        return _digest((*self.generators, *(HERE / name for name in GENERATORS)))
+
+    def scoring(self) -> str:
+        """A digest of all that decides a score."""
+        return _digest((*self.scorers, *(HERE / name for name in SCORERS)))
+
+
+def _digest(files: Iterable[Path]) -> str:
+    return digest_of_files((f"{path.parent.name}/{path.name}", path) for path in files)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,15 +94,15 @@ def conceal(job: Job) -> list[Row]:
     Raises:
         RuntimeError: the generator on this worker is not the frozen one.
     """
-    room: Any = importlib.import_module(job["room"])
-    if room.generator_digest() != job["generator"]:
+    room = Room.of(job["room"])
+    if room.generator() != job["generator"]:
         raise RuntimeError("the generator of these worlds is not the one that was frozen here")
     out, name = Path(job["out"]), str(job["name"])
     study, truth = out / STUDIES / name, out / SEALED / f"{name}.json"
     with tempfile.TemporaryDirectory(prefix=".making-", dir=out) as folder:
         made = Path(folder)
         try:
-            room.make_study(made / name, room.WorldSpec(**job["spec"]), made / SEALED)
+            room.make_study(made / name, room.spec(**job["spec"]), made / SEALED)
         except RuntimeError as error:
             return [{"name": name, "study": "", "not_made": str(error)}]
         digest = digest_of_folder(made / name)
@@ -93,13 +136,19 @@ class SealedRun:
 
     out: Path
     plan: Plan
+    room: str  # the module that has ROOM
     scheduler: str | None = None
     workers: int | None = None
     frozen: dict[str, str] = field(default_factory=dict)
 
-    room: ClassVar[str]  # module with make_study, WorldSpec, generator_digest, scoring_digest
-    schema: ClassVar[str]
     fixed: ClassVar[tuple[str, ...]] = ("tool", "generator", "plan")  # for good, of a folder
+
+    def run(self, only: Iterable[Stage] | None = None) -> None:
+        """Freezes what decides, then goes through the stages, or some of them."""
+        stages = [stage for stage in Stage if stage in (only or Stage)]
+        self.freeze(anew=Stage.CONCEAL in stages)
+        for stage in stages:
+            getattr(self, stage)()
 
     def freeze(self, *, anew: bool = True) -> None:
         """Prints and stores the digests of all that decides the scores.
@@ -111,11 +160,11 @@ class SealedRun:
             CampaignError: the folder was begun with another tool, generator or plan.
         """
         self.out.mkdir(parents=True, exist_ok=True)
-        room: Any = importlib.import_module(self.room)
+        room = Room.of(self.room)
         self.frozen = {
             "tool": tool_digest(),
-            "generator": room.generator_digest(),
-            "scoring": room.scoring_digest(),
+            "generator": room.generator(),
+            "scoring": room.scoring(),
             "plan": self.plan.digest(),
         }
         path = self.out / FROZEN
@@ -164,7 +213,7 @@ class SealedRun:
         missing = sorted(not_made)
         there = [name for name in self.plan.specs if name not in missing]
         seal = {
-            "schema": self.schema,
+            "schema": Room.of(self.room).schema,
             "sealed_at": datetime.now(UTC).isoformat(timespec="seconds"),
             "seed": self.plan.seed,
             "count": len(there),
@@ -194,7 +243,12 @@ class SealedRun:
         """Diagnoses every study blind, and keeps what was said in a folder."""
         seal, tool = self.seal(), self.frozen["tool"]
         jobs = {
-            name: {"name": name, "study": str(self.out / STUDIES / name), "tool": tool}
+            name: {
+                "name": name,
+                "study": str(self.out / STUDIES / name),
+                "tool": tool,
+                "longest": Room.of(self.room).longest,
+            }
             for name in self.names()
         }
         settings = {"tool": tool, "studies": seal["studies"]}
@@ -227,6 +281,43 @@ class SealedRun:
                 raise CampaignError(f"{name}: its diagnosis opened {seen[0]}: nothing is scored")
             both[name] = json.loads((self.out / SEALED / f"{name}.json").read_text()), said
         return both
+
+
+@dataclass(kw_only=True)
+class ToolsRun(SealedRun):
+    """Other tools may be run on the same worlds: what each said is kept by its digest."""
+
+    fixed: ClassVar[tuple[str, ...]] = ("generator", "plan")
+
+    @property
+    def short(self) -> str:
+        """First digits of the tool's digest."""
+        return self.frozen["tool"][:12]
+
+    def diagnose(self, into: str = "", stage: str = "") -> None:
+        super().diagnose(into or f"said-{self.short}", stage or f"diagnose-{self.short}")
+
+    def score(self) -> None:
+        """Opens the truths, if they are those that were sealed, and scores what was said."""
+        room = Room.of(self.room)
+        assert room.score is not None
+        assert room.tables is not None
+        seal, both = self.seal(), self.opened(f"said-{self.short}")
+        worlds = pd.DataFrame([room.score(name, *each) for name, each in both.items()])
+        path = self.out / f"worlds-{self.short}"
+        worlds.to_parquet(path.with_suffix(".parquet"), index=False, compression="zstd")
+        tables = room.tables(worlds, seal["not_made"])
+        digests = {**seal["digests"], "tool": self.frozen["tool"]}
+        head = {"sealed at": seal["sealed_at"], **digests, "worlds": len(worlds)}
+        report = self.out / f"tables-{self.short}.md"
+        write_report(report, tables, head)
+        if room.record is not None and self.plan.seed >= room.first_proof_seed:
+            kept = ("sealed_at", "seed", "count", "truths", "studies")
+            line = {key: seal[key] for key in kept}
+            line["digests"] = {**digests, "scoring": room.scoring()}
+            append_record(room.record, {**line, "scores": room.summary and room.summary(worlds)})
+        show(tables)
+        console.print(f"tables: {report}")
 
 
 def append_record(path: Path, line: Mapping[str, Any]) -> bool:
