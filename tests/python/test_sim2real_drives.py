@@ -17,10 +17,10 @@ from bench.sim2real.machines import build
 from bench.sim2real.machines.plan import WorldSpec
 from pdoik.recordings import Recording
 from pdoik.sim2real import Diagnosis, Finding, diagnose, load_study
-from pdoik.sim2real.controllers.cut_off import CutOff, cut_off, saved_by
+from pdoik.sim2real.controllers.cut_off import CutOff, cut_off, gained_by
 from pdoik.sim2real.controllers.feeds import Feeds
 from pdoik.sim2real.controllers.lateness import Late, later_ones
-from pdoik.sim2real.controllers.open_law import Strip, left_by, strips_of
+from pdoik.sim2real.controllers.linear_law import Strip, law_of, strips_of
 from pdoik.sim2real.controllers.rows import pieces_of
 from pdoik.sim2real.motion.prepare import prepare
 from pdoik.sim2real.thresholds.controllers import ControllerThresholds
@@ -89,15 +89,15 @@ def machine(**second: object) -> dict[int, tuple[Strip, ...]]:
 
 def test_any_law_is_linear_in_the_motions_band() -> None:
     for own in machine().values():
-        left = left_by(own, 0.0, 0.0)
-        assert 1.0 - left.rss / left.whole.sum() > 0.995
+        law = law_of(own)
+        assert law.rss < 0.005 * law.target @ law.target
 
 
 def test_a_joint_that_acts_on_late_commands_is_told_from_the_others() -> None:
     (late,) = later_ones(machine(late=0.06), LIMITS)
     assert (late.joint, late.of) == (1, "delay")
     assert late.time == pytest.approx(0.06, abs=0.006)
-    assert late.agree == late.recordings == 2
+    assert late.support.agree == late.support.sessions == 2
 
 
 def test_a_joint_whose_effort_lags_is_told_from_the_others() -> None:
@@ -119,8 +119,9 @@ def test_a_level_that_no_command_of_torque_shows_is_found() -> None:
     assert isinstance(found, CutOff)
     assert found.no_load == np.inf
     assert found.level == pytest.approx(1.6, rel=0.05)
-    saved = saved_by(found, own)
-    assert saved.by.sum() > LIMITS.late_gain * saved.of.sum()
+    again = gained_by(found, own)
+    assert again is not None
+    assert again.share > LIMITS.late_gain
 
 
 def test_a_line_that_falls_with_speed_is_found() -> None:
@@ -137,12 +138,12 @@ def test_a_level_of_a_law_that_no_other_recording_bears_out_is_none() -> None:
     none = np.zeros_like(first.q)
 
     def cut(strip: Strip) -> Strip:
-        asked = 40.0 * (strip.aim - strip.q) + 3.0 * (strip.pace - strip.speed)
+        asked = 40.0 * strip.error + 3.0 * strip.speed_error
         return replace(strip, effort=np.clip(asked, -1.6, 1.6))
 
     apart = (
-        cut(replace(first, speed=none, pace=none, rate=none)),
-        cut(replace(second, q=second.aim)),
+        cut(replace(first, dq=none, dq_des=none, rate=none)),
+        cut(replace(second, q=second.q_des)),
     )
     unasked = replace(LIMITS, followed_elsewhere=-1e9)
     for own, borne_out in (((cut(first), cut(second)), True), (apart, False)):

@@ -17,8 +17,8 @@ from ..study.study import Study
 from .drive_findings import Drives, drive_findings
 from .estimate import JointLaw, joint_law
 from .feeds import Feeds
+from .given import SEEN_ITSELF, compared, given_gains
 from .load import Load, in_words, load_of
-from .told import SEEN_ITSELF, compared, told_gains
 from .voltage import Motor, motor_of, supply, with_torque
 from .words import contradictions, drive_in_words, law_in_words, nothing_known, with_untellable
 
@@ -46,7 +46,7 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     feeds = Feeds(prepared.body)
     laws = [joint_law(name, j, fit, held, feeds, limits) for j, name in enumerate(study.joints)]
     drives = Drives.of(prepared, fit, held, feeds)
-    estimates = [compared(law, told_gains(study, j), limits) for j, law in enumerate(laws)]
+    estimates = [compared(law, given_gains(study, j), limits) for j, law in enumerate(laws)]
     changed = _with_released(study, laws)
     motors: list[Motor | None] = [None] * len(laws)
     if prepared.body is not None and prepared.fit.motions[0].source == "duty":
@@ -105,8 +105,8 @@ def _notes(
         asked = not known or each.effort in SEEN_ITSELF
         if asked and law_in_words(each):
             notes.append(law_in_words(each))
-        if drive_in_words(each, motor is not None and motor.told):
-            notes.append(drive_in_words(each, motor is not None and motor.told))
+        if drive_in_words(each, motor is not None and motor.given):
+            notes.append(drive_in_words(each, motor is not None and motor.given))
         if load is not None:
             notes.append(in_words(each.joint, load, study.rotor_inertia is not None))
         if not known and each.untellable:
@@ -124,7 +124,7 @@ def _with_rotors(study: Study, motors: Sequence[Motor | None]) -> Study:
     """With the rotors' inertias that were fitted with the motors, where none was told."""
     own = np.zeros(len(motors)) if study.rotor_inertia is None else study.rotor_inertia
     found = [
-        own[j] if motor is None or motor.told_rotor else motor.rotor.value
+        own[j] if motor is None or motor.given_rotor else motor.rotor.value
         for j, motor in enumerate(motors)
     ]
     return replace(study, rotor_inertia=np.array(found))

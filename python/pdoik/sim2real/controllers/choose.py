@@ -1,4 +1,4 @@
-"""Which law a joint obeys: the simplest that predicts blocks it was not fitted to."""
+"""Which law a joint obeys: terms are added to a PD law as long as their evidence is worth it."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..thresholds.controllers import ControllerThresholds
-from .law import Fitted, Form, columns, fitted, held_out, tuned
+from .law import Fitted, Form, columns, tuned
 from .rows import Piece
 
 _MOST = 5  # terms that are added
 _KNEES = (0.1, 0.25, 0.5, 0.75)  # quantiles of the position error at which a table may bend
+_FED = ("rate", "gravity", "inertia")  # forward
 _NOISES = 4.0  # within which a noisy top is flat
 _FIRST = 1.0  # by which a recording's own constant is learnt where it is judged [s]
 
@@ -43,11 +44,11 @@ def chosen(pieces: Sequence[Piece], limits: ControllerThresholds) -> Chosen | No
     if sum(int(piece.use.sum()) for piece in clear) < limits.least_rows:
         return None
     law = searched(clear, limits)
-    spread = max(float(np.sqrt(law.rss / len(law.left))), 0.01 * top)
+    spread = max(float(np.sqrt(law.rss / len(law.linear.left))), 0.01 * top)
     # A level is a limit where the law asks for more there, not where it merely peaks.
     over = [
-        np.abs(_plain(piece, law, pieces))[_near(piece.effort, level, within) & ~off]
-        for piece, off in zip(pieces, silent, strict=True)
+        np.abs(_plain(piece, law, k))[_near(piece.effort, level, within) & ~off]
+        for k, (piece, off) in enumerate(zip(pieces, silent, strict=True))
     ]
     beyond = np.concatenate(over)
     is_limit = len(beyond) >= limits.flat_rows and np.median(beyond) > level + within
@@ -73,25 +74,24 @@ def let_go(piece: Piece, found: Chosen, limits: ControllerThresholds) -> NDArray
 
 
 def searched(pieces: Sequence[Piece], limits: ControllerThresholds) -> Fitted:
-    """Terms added to a PD law one after the other, each by what it saves on held-out blocks."""
-    longest = limits.longest_delay
-    best = tuned(pieces, Form(), longest)
+    """Terms added to a PD law one after the other, the likeliest first."""
+    extras = tuple(name for name in _FED if any(np.ptp(getattr(p, name)) > 0.0 for p in pieces))
+    knees = tuple(f"knee {knee:.6g}" for knee in _knees(pieces))
+    # What a law misses is slow, and looks like few samples: they are counted beside all terms.
+    flexible = Form(kind="pid", extras=("travel", *extras, *knees))
+    count = Fitted(form=flexible, pieces=tuple(pieces)).whole.rows
+    best = tuned(Fitted(form=Form(), pieces=tuple(pieces), rows=count), limits)
     for _ in range(_MOST):
-        squares = held_out(pieces, best.form)
         trials = []
-        for form in _wider(pieces, best.form):
-            other = form.kind != best.form.kind
-            wide = tuned(pieces, form, longest) if other else fitted(pieces, form)
-            if best.bic() - wide.bic() < limits.least_bic:
-                continue
-            saved = squares - held_out(pieces, wide.form)
-            used = saved[squares > 0.0]
-            total, error = float(used.sum()), float(np.std(used) * np.sqrt(len(used)))
-            if total > max(limits.least_gain * squares.sum(), limits.gain_t * error):
-                trials.append((total, wide))
-        if not trials:
+        for form in _wider(pieces, best.form, extras):
+            wide = replace(best, form=form)
+            wide = wide if form.kind == best.form.kind else tuned(wide, limits)
+            if wide.rss < (1.0 - limits.least_gain) * best.rss:
+                trials.append((wide.over(best), wide))
+        odds, likeliest = max(trials, key=lambda each: each[0], default=(-np.inf, best))
+        if odds < limits.worth:
             break
-        best = tuned(pieces, max(trials, key=lambda each: each[0])[1].form, longest)
+        best = tuned(likeliest, limits)
     return best
 
 
@@ -100,42 +100,38 @@ def predicted(piece: Piece, law: Fitted, limit: float) -> FloatArray:
 
     What has been integrated before it began is a constant of its first second.
     """
-    width = len(law.form.names)
-    asked = columns(piece, law.form)[:, :width] @ law.beta[:width]
-    if law.form.kind in ("pid", "cascade"):
+    asked = columns(piece, law.form) @ law.gains
+    if law.form.integrates:
         first = piece.use & (np.arange(len(asked)) * piece.period < 2.0 * _FIRST)
         asked = asked + (float(np.mean((piece.effort - asked)[first])) if first.any() else 0.0)
     else:
-        asked = asked + law.beta[width]
+        asked = asked + law.constant()
     return np.clip(asked, -limit, limit)
 
 
-def _wider(pieces: Sequence[Piece], form: Form) -> list[Form]:
+def _wider(pieces: Sequence[Piece], form: Form, extras: Sequence[str]) -> list[Form]:
     """The law with one term more."""
-    there = [
-        name
-        for name in ("rate", "gravity", "inertia")
-        if name not in form.extras and any(np.ptp(getattr(p, name)) > 0.0 for p in pieces)
-    ]
+    there = [name for name in extras if name not in form.extras]
     forms = [replace(form, extras=(*form.extras, name)) for name in there]
     if form.kind == "pd":
-        size = np.concatenate([np.abs(piece.error[piece.use]) for piece in pieces])
-        knees = tuple(float(each) for each in np.quantile(size, _KNEES) if each > 0.0)
         forms.append(replace(form, kind="pid"))
-        if any(np.ptp(piece.rate) > 0.0 for piece in pieces):
+        if "rate" in extras:
             # One that is told the desired speed is the same as a PID law.
             forms.append(replace(form, kind="cascade"))
+        knees = _knees(pieces)
         forms += [replace(form, kind="table", knees=knees)] if len(set(knees)) > 1 else []
     return forms
 
 
-def _plain(piece: Piece, law: Fitted, pieces: Sequence[Piece]) -> FloatArray:
-    """What the law asks of a piece that it was fitted to, no level cutting it off; (T,)."""
-    width = len(law.form.names)
-    own = law.form.kind in ("pid", "cascade")
-    at = next(k for k, each in enumerate(pieces) if each.name == piece.name) if own else 0
-    parts = columns(piece, law.form)[:, :width] @ law.beta[:width]
-    return np.asarray(parts + law.beta[width + at])
+def _knees(pieces: Sequence[Piece]) -> tuple[float, ...]:
+    """Position errors at which a table may bend."""
+    size = np.concatenate([np.abs(piece.error[piece.use]) for piece in pieces])
+    return tuple(float(each) for each in np.quantile(size, _KNEES) if each > 0.0)
+
+
+def _plain(piece: Piece, law: Fitted, number: int) -> FloatArray:
+    """What the law asks of the piece of that number, no level cutting it off; (T,)."""
+    return np.asarray(columns(piece, law.form) @ law.gains + law.constant(number))
 
 
 def _silent(piece: Piece, limits: ControllerThresholds, top: float) -> NDArray[np.bool_]:

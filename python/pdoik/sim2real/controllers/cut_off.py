@@ -1,24 +1,27 @@
 """A drive that gives less than its law asks for: beyond a level, or a line that falls with speed.
 
 No command of torque need be logged: below the limit the law is learnt from what the drive gave, and
-beyond it the law says what was asked for.
+beyond it the law says what was asked for. Which rows are at the limit and the figures of law and
+limit are fitted by turns: given the rows, a level and its fall are linear, as the law is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize
 
 from pdoik.recordings import FloatArray
 
-from ..regression.clusters import clustered
+from ..effects import CATALOGUE
+from ..effects.torque_saturation import TorqueSaturation
+from ..effects.torque_speed_limit import TorqueSpeedLimit
+from ..findings import Support
 from ..thresholds.controllers import ControllerThresholds
-from .law import solved
-from .open_law import Saved, Strip, explicit, followed_by_others
+from .linear_law import Gained, Strip, explicit, followed_by_others, gained
+from .linear_model import LinearModel, Parameter, parts_of
 
 _LEVELS = (0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98)  # of the highest effort
 _FASTEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)  # no-load speeds over the fastest seen
@@ -29,7 +32,19 @@ _BLUR = 0.03  # share of it within which an effort is at a limit: filters, and s
 _NOISES = 2.0  # the same in errors of the law where nothing cuts it off
 _MOST_OVER = 0.1  # share of what is at a limit that may lie over it
 _MOST_AT = 0.6  # share of all that may be at it
-_ROUNDS = 60  # of the simplex
+_TURNS = 10  # of rows and figures
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limit:
+    """What a drive gives at most: level (1 - speed / no_load) along its effort."""
+
+    level: float  # at rest [N m], or the effort's unit
+    fall: float = 0.0  # one over the no-load speed [s/rad]; 0: the same at all speeds
+
+    def most(self, along: FloatArray) -> FloatArray:
+        """At speeds along the effort, (N,)."""
+        return np.asarray(self.level * np.maximum(1.0 - along * self.fall, _LEAST))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,47 +56,47 @@ class CutOff:
     level_std: float
     no_load: float  # speed at which nothing is left [rad/s]; inf where the level is the same
     no_load_std: float
-    saved: Saved  # of what the law leaves
     explained: float  # share of the effort in the band of the motion
-    agree: int  # recordings in which it gains
-    recordings: int
+    support: Support
+
+    @property
+    def limit(self) -> Limit:
+        """The same as a limit."""
+        return Limit(level=self.level, fall=1.0 / self.no_load)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Rows:
+    """Of all recordings."""
+
     law: FloatArray  # (N, p)
     effort: FloatArray
     speed: FloatArray
-    block: NDArray[np.intp]
-    left_whole: FloatArray  # what it leaves without a limit
-    noise: float = 0.0  # what it leaves where nothing cuts it off
+    parts: tuple[slice, ...]
+    noise: float = 0.0  # what the law leaves where nothing cuts it off
 
-    def near(self, level: float) -> float:
+    def near(self, limit: Limit) -> float:
         """How far from a limit an effort is at it."""
-        return max(_BLUR * level, _NOISES * self.noise)
+        return max(_BLUR * limit.level, _NOISES * self.noise)
 
-    def most(self, sign: FloatArray, level: float, fall: float) -> FloatArray:
-        """What is given at most along `sign`; `fall` is one over the no-load speed, (N,)."""
-        return _most(sign * self.speed, level, fall)
+    def model(self, *more: Parameter, used: FloatArray | float = 1.0) -> LinearModel:
+        """The law on the rows that are used, (N, 1), beside more."""
+        law = Parameter(name="law", columns=self.law * used)
+        return LinearModel(target=self.effort, parameters=(law, *more), parts=self.parts)
 
-    def at(self, level: float, fall: float) -> NDArray[np.bool_]:
-        """Rows at the limit, or over it."""
-        most = self.most(np.sign(self.effort), level, fall)
-        return np.asarray(np.abs(self.effort) > most - self.near(level))
 
-    def left(self, level: float, fall: float) -> tuple[FloatArray, FloatArray] | None:
-        """What the law, cut off, leaves, and what it asks for; None where nothing is cut off."""
-        at = self.at(level, fall)
-        if at.sum() < self.law.shape[1] // 4 + 4 or at.mean() > _MOST_AT:
-            return None
-        asked = self.law @ solved(self.law[~at], self.effort[~at])
-        sign = np.sign(self.effort)
-        beyond = sign * asked - self.most(sign, level, fall)
-        over = np.abs(self.effort) > self.most(sign, level, fall) + self.near(level)
-        if np.median(beyond[at]) <= 0.0 or over[at].mean() > _MOST_OVER:
-            return None
-        most = self.most(np.sign(asked), level, fall)
-        return self.effort - np.clip(asked, -most, most), asked
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Cut:
+    """A law that is cut off."""
+
+    limit: Limit
+    model: LinearModel  # of law and limit
+    asked: FloatArray  # (N,) by the law
+    left: FloatArray  # (N,)
+
+    @property
+    def rss(self) -> float:
+        return float(self.left @ self.left)
 
 
 def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> CutOff | None:
@@ -89,71 +104,72 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
     rows = _rows(strips)
     if rows is None:
         return None
-    level, fall = _best(rows)
-    tried = rows.left(level, fall)
-    rows = replace(rows, noise=_usual(rows.left_whole if tried is None else tried[0]))
-    level, fall = _best(rows)
-    tried = rows.left(level, fall)
-    if tried is None:
+    free = rows.model()
+    first = _best(rows)
+    rows = replace(rows, noise=_usual(free.left if first is None else first.left))
+    cut = _best(rows)
+    if cut is None:
         return None
-    left, asked = tried
-    saved = _saved(rows, left)
+    saved = gained(strips, free.left, cut.left)
     varied = rows.effort - rows.effort.mean()
-    explained = 1.0 - float(left @ left) / max(float(varied @ varied), 1e-300)
-    # A limit that is met on few occasions is shown by how little is left of these.
-    figures = 2 if fall > 0.0 else 1
-    bic = -saved.blocks * np.log(max(1.0 - saved.gain, 1e-9)) - figures * np.log(saved.blocks)
-    clear = saved.t >= limits.late_t or bic >= limits.least_bic
-    if saved.gain < limits.late_gain or not clear or explained < limits.followed:
+    explained = 1.0 - cut.rss / max(float(varied @ varied), 1e-300)
+    effect = CATALOGUE[(TorqueSpeedLimit if cut.limit.fall else TorqueSaturation).id]
+    odds = cut.model.over(free) + float(np.log(effect.odds / (1.0 - effect.odds)))
+    if saved.share < limits.late_gain or odds < limits.worth or explained < limits.followed:
         return None
-    if followed_by_others(_below(strips, rows, level, fall)) < limits.followed_elsewhere:
+    if followed_by_others(_below(strips, rows, cut.limit)) < limits.followed_elsewhere:
         return None
-    level, level_std, no_load, no_load_std = _figures(rows, asked, level, fall)
+    level, fall = cut.limit.level, cut.limit.fall
+    level_std = float(np.hypot(cut.model.std("level"), _BLUR * level))
+    no_load, no_load_std = np.inf, 0.0
+    if fall > 0.0:
+        slope, slope_std = cut.model.value("slope"), cut.model.std("slope")
+        shares = (slope_std / slope, 2.0 * _BLUR, level_std / level)
+        no_load, no_load_std = 1.0 / fall, float(np.linalg.norm(shares)) / fall
     return CutOff(
         joint=j,
         level=level,
         level_std=level_std,
         no_load=no_load,
         no_load_std=no_load_std,
-        saved=saved,
         explained=explained,
-        agree=saved.agree(strips),
-        recordings=len(strips),
+        support=saved.support(strips, odds),
     )
 
 
-def saved_by(cut: CutOff, strips: Sequence[Strip]) -> Saved:
-    """What the limit takes from what a law leaves of other recordings."""
+def gained_by(cut: CutOff, strips: Sequence[Strip]) -> Gained | None:
+    """What the limit takes from what a law leaves of other recordings; None where it shows none."""
     rows = _rows(strips)
-    tried = None if rows is None else rows.left(cut.level, 1.0 / cut.no_load)
-    if rows is None or tried is None:
-        return Saved(by=np.zeros(0), of=np.zeros(0))
-    return _saved(rows, tried[0])
+    other = None if rows is None else _turned(rows, cut.limit, _at(rows, cut.limit))
+    if rows is None or other is None:
+        return None
+    most = cut.limit.most(np.sign(other.asked) * rows.speed)
+    left = rows.effort - np.clip(other.asked, -most, most)
+    return gained(strips, rows.model().left, left)
 
 
-def _most(along: FloatArray, level: float, fall: float) -> FloatArray:
-    """What is given at most at speeds along the effort, (N,)."""
-    return np.asarray(level * np.maximum(1.0 - along * fall, _LEAST))
-
-
-def _below(strips: Sequence[Strip], rows: _Rows, level: float, fall: float) -> list[Strip]:
+def _below(strips: Sequence[Strip], rows: _Rows, limit: Limit) -> list[Strip]:
     """The strips where nothing cuts them off."""
     kept = []
     for strip in strips:
-        most = _most(np.sign(strip.effort) * strip.speed, level, fall)
+        most = limit.most(np.sign(strip.effort) * strip.dq)
         kept.append(
-            replace(strip, use=strip.use & (np.abs(strip.effort) <= most - rows.near(level)))
+            replace(strip, use=strip.use & (np.abs(strip.effort) <= most - rows.near(limit)))
         )
     return kept
 
 
 def _rows(strips: Sequence[Strip]) -> _Rows | None:
     """None where there are too few."""
-    law, effort, speed, block = explicit(strips)
-    if len(effort) < 2 * law.shape[1]:
+    law = explicit(strips)
+    if len(law) < 2 * law.shape[1]:
         return None
-    left = effort - law @ solved(law, effort)
-    return _Rows(law=law, effort=effort, speed=speed, block=block, left_whole=left)
+    effort, speed = (
+        np.concatenate([getattr(strip, name)[strip.picked] for strip in strips])
+        for name in ("effort", "dq")
+    )
+    parts = parts_of([len(strip.picked) for strip in strips])
+    return _Rows(law=law, effort=effort, speed=speed, parts=parts)
 
 
 def _usual(left: FloatArray) -> float:
@@ -161,71 +177,63 @@ def _usual(left: FloatArray) -> float:
     return 1.4826 * float(np.median(np.abs(left)))
 
 
-def _saved(rows: _Rows, left: FloatArray) -> Saved:
-    """Beside a law without a limit."""
-    before, after = (
-        np.bincount(rows.block, each**2).astype(np.float64) for each in (rows.left_whole, left)
-    )
-    return Saved(by=before - after, of=before)
-
-
-def _best(rows: _Rows) -> tuple[float, float]:
-    """Level and fall that leave least."""
-
-    def cost(level: float, fall: float) -> float:
-        tried = rows.left(level, fall) if level > 0.0 <= fall else None
-        return np.inf if tried is None else float(tried[0] @ tried[0])
-
+def _best(rows: _Rows) -> _Cut | None:
+    """The level, or the line, that leaves least; None where nothing is cut off."""
     size, speed = np.abs(rows.effort), np.sign(rows.effort) * rows.speed
     top, fastest = float(np.quantile(size, _TOP)), float(np.quantile(np.abs(speed), _TOP))
-    flat = [(share * top, 0.0) for share in _LEVELS]
+    flat = [Limit(level=share * top) for share in _LEVELS]
     lines = []
     for share in _FASTEST:
-        along = speed / max(share * fastest, 1e-12)
+        no_load = max(share * fastest, 1e-12)
+        along = speed / no_load
         known = along < 0.9
         levels = np.quantile(size[known] / (1.0 - along[known]), _REACHED)
-        lines += [(float(level), 1.0 / max(share * fastest, 1e-12)) for level in levels]
-    found = [_polished(cost, min(starts, key=lambda x: cost(*x))) for starts in (flat, lines)]
-    return min(found, key=lambda x: cost(*x))
+        lines += [Limit(level=float(level), fall=1.0 / no_load) for level in levels]
+    found = []
+    for starts in (flat, lines):
+        tried = [_turned(rows, limit, _at(rows, limit)) for limit in starts]
+        likely = [each for each in tried if each is not None]
+        if likely:
+            found.append(_settled(rows, min(likely, key=lambda each: each.rss)))
+    return min(found, key=lambda each: each.rss, default=None)
 
 
-def _polished(
-    cost: Callable[[float, float], float], start: tuple[float, float]
-) -> tuple[float, float]:
-    """Near a start, where the cost is lowest (Nelder and Mead); a level alone stays alone."""
-    if not np.isfinite(cost(*start)):
-        return start
-    free = 2 if start[1] > 0.0 else 1
-
-    def at(x: FloatArray) -> tuple[float, float]:
-        return float(x[0]) * start[0], float(x[1]) * start[1] if free == 2 else 0.0
-
-    result = optimize.minimize(  # type: ignore[call-overload]  # its stubs know no simplex
-        lambda x: cost(*at(x)),
-        np.ones(free),
-        method="Nelder-Mead",
-        options={
-            "maxfev": _ROUNDS,
-            "initial_simplex": 1.0 + 0.04 * np.vstack([np.zeros(free), np.eye(free)]),
-        },
-    )
-    return at(np.asarray(result.x))
+def _settled(rows: _Rows, cut: _Cut) -> _Cut:
+    """With rows at the limit and figures by turns, as long as less is left."""
+    for _ in range(_TURNS):
+        other = _turned(rows, cut.limit, _at(rows, cut.limit, cut.asked))
+        if other is None or other.rss >= cut.rss:
+            break
+        cut = other
+    return cut
 
 
-def _figures(
-    rows: _Rows, asked: FloatArray, level: float, fall: float
-) -> tuple[float, float, float, float]:
-    """Level and no-load speed with errors, by the rows at the limit, blocks as clusters."""
+def _at(rows: _Rows, limit: Limit, asked: FloatArray | None = None) -> NDArray[np.bool_]:
+    """Rows at the limit, or over it; where it is known, what was asked for is beyond it, too."""
     sign = np.sign(rows.effort)
-    at = rows.at(level, fall) & (sign * asked > rows.most(sign, level, fall))
-    size, along, block = np.abs(rows.effort[at]), (sign * rows.speed)[at], rows.block[at]
-    A = np.stack([np.ones(len(size)), -along], axis=1)[:, : 2 if fall > 0.0 else 1]
-    x = np.linalg.lstsq(A, size, rcond=None)[0]
-    inverse = np.linalg.pinv(A.T @ A)
-    covariance, _ = clustered(inverse, A, size - A @ x, block)
-    std = float(np.hypot(np.sqrt(covariance[0, 0]), _BLUR * x[0]))
-    if fall == 0.0 or x[1] <= 0.0:
-        return float(x[0]), std, np.inf, 0.0
-    slope_std = float(np.hypot(np.sqrt(covariance[1, 1]), 2.0 * _BLUR * x[1]))
-    no_load = float(x[0] / x[1])
-    return float(x[0]), std, no_load, no_load * float(np.hypot(slope_std / x[1], std / x[0]))
+    most = limit.most(sign * rows.speed)
+    at = np.abs(rows.effort) > most - rows.near(limit)
+    return np.asarray(at if asked is None else at & (sign * asked > most))
+
+
+def _turned(rows: _Rows, limit: Limit, at: NDArray[np.bool_]) -> _Cut | None:
+    """Law and limit fitted with these rows at it; None where nothing is cut off."""
+    if at.sum() < rows.law.shape[1] // 4 + 4 or at.mean() > _MOST_AT:
+        return None
+    sign, share = np.sign(rows.effort), at.astype(np.float64)
+    parameters = [Parameter(name="level", columns=share * sign, positive=True)]
+    if limit.fall > 0.0:
+        parameters.append(Parameter(name="slope", columns=-share * rows.speed, positive=True))
+    model = rows.model(*parameters, used=1.0 - share[:, None])
+    level = model.value("level")
+    if level <= 0.0:
+        return None
+    fall = model.value("slope") / level if limit.fall > 0.0 else 0.0
+    new = Limit(level=level, fall=fall)
+    asked = rows.law @ model.of("law")
+    most = new.most(sign * rows.speed)
+    over = np.abs(rows.effort) > most + rows.near(new)
+    if np.median((sign * asked - most)[at]) <= 0.0 or over[at].mean() > _MOST_OVER:
+        return None
+    most = new.most(np.sign(asked) * rows.speed)
+    return _Cut(limit=new, model=model, asked=asked, left=rows.effort - np.clip(asked, -most, most))

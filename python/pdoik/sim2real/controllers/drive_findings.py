@@ -23,10 +23,10 @@ from . import cut_off, lateness
 from .cut_off import CutOff
 from .feeds import Feeds
 from .lateness import Late
-from .open_law import Saved, Strip, followed, strips_of
+from .linear_law import Gained, Strip, followed, strips_of
 from .rows import effort_of, pieces_of
 
-_AS_TOLD = 0.9  # of the limit that the robot's description has, from which one is no news
+_AS_GIVEN = 0.9  # of the limit that the robot's description has, from which one is no news
 
 Values = dict[str, tuple[float, float]]
 """Figures with their errors."""
@@ -72,8 +72,8 @@ def drive_findings(drives: Drives) -> tuple[Finding, ...]:
             found.append(cut)
             late.pop(j, None)  # what is cut off also comes late
     for j, each in late.items():
-        held = lateness.saved_by(each, judges[j]) if j in judges else None
-        found.append(_delay(prepared, each, held))
+        held = lateness.gained_by(each, judges[j]) if j in judges else None
+        found.append(_stated(prepared, j, *_delayed(each), each.support, held))
     return tuple(found)
 
 
@@ -97,13 +97,13 @@ def _in_torque(prepared: Prepared, j: int) -> bool:
     return effort_of((*study.fit, *study.validate), j) == "tau"
 
 
-def _told(prepared: Prepared, j: int, level: float) -> bool:
+def _given(prepared: Prepared, j: int, level: float) -> bool:
     """Whether a level is the one that the robot's description has."""
     study = prepared.study
     if study.robot is None:
         return False
     facts = robot_facts(study.robot).joints.get(study.joints[j])
-    return bool(facts and facts.effort and level > _AS_TOLD * facts.effort)
+    return bool(facts and facts.effort and level > _AS_GIVEN * facts.effort)
 
 
 def _top(prepared: Prepared, j: int) -> Finding | None:
@@ -112,7 +112,7 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
     if kinds(prepared.fit.motions[0], j):
         return None
     top = ceiling_of(prepared.fit.motions, j, limits)
-    if top is None or _told(prepared, j, top.level):
+    if top is None or _given(prepared, j, top.level):
         return None
     held = None if prepared.validate is None else prepared.validate.motions
     again = top.pile if held is None else pile_at(top, held, j, limits)
@@ -122,7 +122,6 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
         if top.pile < limits.piled**2:
             return None
         again = 1.0
-    effect, other, values, of = _limited(top)
     stands_out, judged = 1.0 - 1.0 / top.pile, 1.0 - 1.0 / again
     seen = Support(
         weight=stands_out,
@@ -135,17 +134,17 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
         left=1.0,
         rivals=1,
     )
-    return _stated(prepared, (j, effect, other), values, of, seen, (judged, 0.0), ("tau",))
+    return _stated(prepared, j, *_limited(top), seen, Evidence.once(judged, "tau"))
 
 
 def _cut(drives: Drives, j: int) -> Finding | None:
     """Beyond which joint j gives less than its law asks for."""
     prepared, limits = drives.prepared, drives.prepared.study.thresholds.controllers
     cut = cut_off.cut_off(j, drives.fit[j], limits) if _in_torque(prepared, j) else None
-    if cut is None or _told(prepared, j, cut.level):
+    if cut is None or _given(prepared, j, cut.level):
         return None
-    held = cut_off.saved_by(cut, drives.judges[j]) if j in drives.judges else None
-    return _finding(prepared, cut, *_limited(cut), held)
+    held = cut_off.gained_by(cut, drives.judges[j]) if j in drives.judges else None
+    return _stated(prepared, j, *_limited(cut), cut.support, held)
 
 
 def _limited(
@@ -162,53 +161,33 @@ def _limited(
     return effect, other, values, ("law", shape)
 
 
-def _delay(prepared: Prepared, late: Late, held: Saved | None) -> Finding:
+def _delayed(late: Late) -> tuple[str, str, Values, tuple[str, tuple[float, ...]]]:
     """Beside the others' time: that is in the log, not in the drive."""
-    effect, other = CommandDelay.id, ActuatorLag.id
-    values, of = {"delay": (late.time, late.std)}, ("position", (OF_POSITION, late.time))
     if late.of == "lag":
-        effect, other = other, effect
-        values, of = {"time_constant": (late.time, late.std)}, ("torque", (OF_TORQUE, late.time))
-    return _finding(prepared, late, effect, other, values, of, held)
-
-
-def _finding(
-    prepared: Prepared,
-    seen: Late | CutOff,
-    name: str,
-    other: str,
-    values: Values,
-    of: tuple[str, tuple[float, ...]],
-    held: Saved | None,
-) -> Finding:
-    gain = seen.saved.gain
-    support = Support(
-        weight=gain,
-        gain=gain,
-        t=seen.saved.t,
-        size=float(np.sqrt(gain / max(1.0 - gain, 1e-3))),
-        agree=seen.agree,
-        sessions=seen.recordings,
-        blocks=seen.saved.blocks,
-        left=1.0,
-        rivals=1,
-    )
-    judged = (gain, 0.0) if held is None else (held.gain, 1.96 * held.error)
-    channels = ("q_des", effort_of(prepared.study.fit, seen.joint))
-    return _stated(prepared, (seen.joint, name, other), values, of, support, judged, channels)
+        figures = {"time_constant": (late.time, late.std)}
+        return ActuatorLag.id, CommandDelay.id, figures, ("torque", (OF_TORQUE, late.time))
+    figures = {"delay": (late.time, late.std)}
+    return CommandDelay.id, ActuatorLag.id, figures, ("position", (OF_POSITION, late.time))
 
 
 def _stated(
     prepared: Prepared,
-    named: tuple[int, str, str],  # joint, its name, the other name
+    j: int,
+    name: str,
+    other: str,
     values: Values,
     of: tuple[str, tuple[float, ...]],
     support: Support,
-    judged: tuple[float, float],  # gain of what judges, and half its interval
-    channels: tuple[str, ...],
+    judged: Evidence | Gained | None,
 ) -> Finding:
-    study, (j, name, other) = prepared.study, named
-    effect, joint, (gain, spread) = CATALOGUE[name], study.joints[j], judged
+    """What speaks for it where nothing was held out speaks for it elsewhere, too."""
+    study = prepared.study
+    channels = ("q_des", effort_of(study.fit, j))
+    if judged is None:
+        judged = Evidence.once(support.gain, *channels)
+    elif isinstance(judged, Gained):
+        judged = judged.evidence(channels)
+    effect, joint = CATALOGUE[name], study.joints[j]
     where = where_in_words(effect.on, (joint,), ())
     plain = {key: value for key, (value, _) in values.items()}
     return Finding(
@@ -228,9 +207,7 @@ def _stated(
         },
         equivalents=(Equivalent(effect=other, joints=(joint,)),),
         decided_by=effect.decided_by,
-        evidence=Evidence(
-            validation_gain=gain, interval95=(gain - spread, gain + spread), channels=channels
-        ),
+        evidence=judged,
         support=support,
         weight=support.weight,
         variant=of[0],

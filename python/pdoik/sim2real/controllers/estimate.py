@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,14 @@ from ..findings import ControllerEstimate, Estimate
 from ..thresholds.controllers import ControllerThresholds
 from .choose import Chosen, chosen, let_go, predicted
 from .feeds import Feeds
-from .law import Fitted, errors, fitted
+from .law import Fitted
 from .rows import EFFORTS, Piece, effort_of, pieces_of
 
 _RESTING = 50  # samples without a change that are a rest
 _LEAST_HELD = 20  # changes by which a period is told
 _STEADY = 0.8  # share of them that come in time
 _DELAYS = {"effort": "delay", "command": "command_delay", "speed": "speed_delay"}
-_NAMES = {"rate": "kd_command", "gravity": "gravity", "inertia": "inertia"}
+_NAMES = {"rate": "kd_command", "ratio": "kp"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,13 +100,10 @@ def _holds(kp: Estimate, limits: ControllerThresholds) -> bool:
 
 
 def _alone(piece: Piece, found: Chosen) -> tuple[float, float]:
-    """The position gain and its error of one recording; a cascade's is that of all."""
-    form = found.law.form
-    law = fitted((piece,), form)
-    std = errors((piece,), law)
-    if form.kind == "cascade":
-        return form.ratio, std.get("ratio", 0.0)
-    return float(law.beta[0]), std["kp"]
+    """The position gain and its error of one recording."""
+    law = replace(found.law, pieces=(piece,)).whole
+    name = "ratio" if found.law.form.kind == "cascade" else "kp"
+    return law.value(name), law.std(name)
 
 
 def _judged(
@@ -131,26 +128,22 @@ def _gains(
     pieces: Sequence[Piece], found: Chosen, effort: str, least: float
 ) -> dict[str, Estimate]:
     """Figures with their errors, at least a share of them, by name."""
-    law, unit = found.law, EFFORTS[effort]
-    form, std = law.form, errors(found.pieces, law)
+    form, whole, unit = found.law.form, found.law.whole, EFFORTS[effort]
     units = {"kp": f"{unit}/rad", "kd": f"{unit} s/rad", "ki": f"{unit}/(rad s)"}
-    units |= {"kv": f"{unit} s/rad", "rate": f"{unit} s/rad"}
+    units |= {"kv": f"{unit} s/rad", "rate": f"{unit} s/rad", "ratio": "1/s", "bias": unit}
     if form.kind == "cascade":
         units["ki"] = f"{unit}/rad"
+    names = [*(["ratio"] if form.kind == "cascade" else []), *form.names]
     result = {}
-    for name, value in zip(form.names, law.beta, strict=False):
+    for name in names if form.integrates else [*names, "bias"]:
         if not name.startswith("knee"):
-            error = float(np.hypot(std[name], least * value))
+            value = whole.value(name)
+            error = float(np.hypot(whole.std(name), 0.0 if name == "bias" else least * value))
             result[_NAMES.get(name, name)] = _estimate(value, error, units.get(name, "-"))
-    if form.kind == "cascade":
-        error = float(np.hypot(std.get("ratio", 0.0), least * form.ratio))
-        result = {"kp": _estimate(form.ratio, error, "1/s"), **result}
-    elif form.kind in ("pd", "table"):
-        result["bias"] = _estimate(law.beta[len(form.names)], std["bias"], unit)
-    for name, value in (("delay", form.delay), ("lag", form.lag)):
-        if name in std:
+    for name in form.nonlinear:
+        if name != "ratio":
             said = "time_constant" if name == "lag" else _DELAYS[form.late]
-            result[said] = _estimate(value, std[name], "s")
+            result[said] = _estimate(getattr(form, name), whole.std(name), "s")
     if np.isfinite(found.limit):
         top = 0.001 * found.limit
         result["limit"] = _estimate(found.limit, top, unit)
@@ -180,7 +173,7 @@ def _table(pieces: Sequence[Piece], law: Fitted) -> tuple[tuple[float, float], .
     if law.form.kind != "table":
         return ()
     most = max(float(np.max(np.abs(piece.error[piece.use]))) for piece in pieces)
-    kp, slopes = float(law.beta[0]), law.beta[2 : 2 + len(law.form.knees)]
+    kp, slopes = law.gains[0], law.gains[2 : 2 + len(law.form.knees)]
     at = np.array([0.0, *law.form.knees, most])
     beyond = np.maximum(at[:, None] - np.array(law.form.knees), 0.0)
     effort = kp * at + beyond @ slopes

@@ -13,49 +13,52 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
+from ..effects import CATALOGUE
+from ..effects.actuator_lag import ActuatorLag
+from ..effects.command_delay import CommandDelay
+from ..findings import Support
 from ..thresholds.controllers import ControllerThresholds
-from .open_law import Left, Saved, Strip, followed_by_others, left_by
+from .linear_law import Gained, Strip, followed_by_others, gained, law_of
+from .linear_model import LinearModel
 
 _TIMES = np.array([0, 4, 8, 12, 16, 24, 32, 40, 50, 65, 80, 100, 125, 150, 180, 220]) * 1e-3
 _SKEWS = np.array([-60, -40, -20, -10, 0, 5, 10, 15, 20, 30, 40, 60, 80, 110, 150]) * 1e-3
-_DRAWS = 200  # of blocks, for errors
+_EFFECTS = {"delay": CommandDelay.id, "lag": ActuatorLag.id}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Curve:
-    """What a joint's law leaves as it is taken to be later and later, (times, B)."""
+    """The laws of one joint as it is taken to be later and later."""
 
     of: str  # what is late: "delay", the command; "lag", the effort behind a first-order filter
-    squares: FloatArray
-    whole: FloatArray  # (B,)
+    laws: tuple[LinearModel, ...]  # at `_TIMES`
 
     @property
     def rss(self) -> FloatArray:
-        """Of every time, (times,)."""
-        return np.asarray(self.squares.sum(axis=1))
-
-    @property
-    def best(self) -> float:
-        """The time that fits best [s]."""
-        return _lowest(self.rss)
+        """What they leave, (times,)."""
+        return np.array([law.rss for law in self.laws])
 
     @property
     def explained(self) -> float:
         """Share of the effort in the motion's band at the best time."""
-        return 1.0 - float(self.rss.min()) / max(float(self.whole.sum()), 1e-300)
+        target = self.laws[0].target
+        return 1.0 - float(self.rss.min()) / max(float(target @ target), 1e-300)
 
-    def at(self, time: float) -> FloatArray:
-        """Squares at a time between those that were tried, (B,)."""
-        k = int(np.clip(np.searchsorted(_TIMES, time) - 1, 0, len(_TIMES) - 2))
-        share = (time - _TIMES[k]) / (_TIMES[k + 1] - _TIMES[k])
-        return np.asarray((1.0 - share) * self.squares[k] + share * self.squares[k + 1])
+    @property
+    def likelihood(self) -> FloatArray:
+        """Logarithm, of as many rows as are independent where the best law is, (times,)."""
+        rows = self.laws[int(np.argmin(self.rss))].rows
+        return np.asarray(-0.5 * rows * np.log(np.maximum(self.rss, 1e-300)))
 
-    def std(self) -> float:
-        """Error of the best time, by blocks drawn anew [s]."""
-        rng = np.random.default_rng(0)
-        used = np.flatnonzero(self.whole)
-        drawn = rng.choice(used, (_DRAWS, len(used)))
-        return float(np.std([_lowest(self.squares[:, each].sum(axis=1)) for each in drawn]))
+    def top(self) -> tuple[float, float]:
+        """The likeliest time and its error [s], by a parabola through its neighbours."""
+        log = self.likelihood
+        k = int(np.clip(np.argmax(log), 1, len(_TIMES) - 2))
+        x, y = _TIMES[k - 1 : k + 2], log[k - 1 : k + 2]
+        a, b, _ = np.polyfit(x - x[1], y, 2)
+        if k != np.argmax(log) or a >= 0.0:
+            return float(_TIMES[np.argmax(log)]), float(x[2] - x[0]) / 2.0
+        return float(np.clip(x[1] - 0.5 * b / a, x[0], x[2])), float(np.sqrt(-0.5 / a))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,30 +70,25 @@ class Late:
     usual: float  # of the others [s]
     time: float  # beyond that [s]
     std: float  # [s]
-    saved: Saved  # of what the law leaves with a time as the others'
     explained: float  # share of the effort in the band of the motion
-    agree: int  # recordings in which it gains
-    recordings: int
+    support: Support
 
 
 def in_time(joints: Mapping[int, Sequence[Strip]]) -> dict[int, tuple[Strip, ...]]:
     """All joints' efforts moved by one time, by which they follow best from their commands."""
     each = [
-        [np.log(max(left_by([s.moved(t) for s in strips], 0.0, 0.0).rss, 1e-300)) for t in _SKEWS]
+        [np.log(max(law_of([s.moved(t) for s in strips]).rss, 1e-300)) for t in _SKEWS]
         for strips in joints.values()
     ]
     time = float(_SKEWS[np.argmin(np.median(np.array(each), axis=0))]) if each else 0.0
     return {j: tuple(s.moved(time) for s in strips) for j, strips in joints.items()}
 
 
-def curves_of(strips: Sequence[Strip]) -> dict[str, Curve]:
+def curves_of(strips: Sequence[Strip]) -> tuple[Curve, ...]:
     """By what is late."""
-    found = {}
-    for of in ("delay", "lag"):
-        each = [_left(strips, of, float(t)) for t in _TIMES]
-        squares = np.stack([left.squares for left in each])
-        found[of] = Curve(of=of, squares=squares, whole=each[0].whole)
-    return found
+    return tuple(
+        Curve(of=of, laws=tuple(_law(strips, of, float(t)) for t in _TIMES)) for of in _EFFECTS
+    )
 
 
 def later_ones(joints: Mapping[int, Sequence[Strip]], limits: ControllerThresholds) -> list[Late]:
@@ -105,7 +103,7 @@ def later_ones(joints: Mapping[int, Sequence[Strip]], limits: ControllerThreshol
 
 def _later(joints: Mapping[int, Sequence[Strip]], limits: ControllerThresholds) -> dict[int, Late]:
     curves = {j: curves_of(strips) for j, strips in joints.items()}
-    explained = {j: max(c.explained for c in each.values()) for j, each in curves.items()}
+    explained = {j: max(curve.explained for curve in each) for j, each in curves.items()}
     followed = [j for j, share in explained.items() if share >= limits.followed]
     found = {}
     for j, each in curves.items():
@@ -113,9 +111,9 @@ def _later(joints: Mapping[int, Sequence[Strip]], limits: ControllerThresholds) 
         # What is wrong with a joint is in its law too: the others say whether laws are seen at all.
         if not peers or explained[j] < limits.followed_itself:
             continue
-        curve = min(each.values(), key=lambda c: float(c.rss.min()))
-        usual = float(np.median([curves[i][curve.of].best for i in peers]))
-        late = _late(j, joints[j], curve, usual, limits)
+        curve = min(each, key=lambda c: float(c.rss.min()))
+        times = [own.top()[0] for i in peers for own in curves[i] if own.of == curve.of]
+        late = _late(j, joints[j], curve, float(np.median(times)), limits)
         if late is not None:
             found[j] = late
     return found
@@ -124,11 +122,17 @@ def _later(joints: Mapping[int, Sequence[Strip]], limits: ControllerThresholds) 
 def _late(
     j: int, strips: Sequence[Strip], curve: Curve, usual: float, limits: ControllerThresholds
 ) -> Late | None:
-    best = curve.best
-    saved = Saved(by=curve.at(usual) - curve.at(best), of=curve.at(usual))
+    """A joint whose time is another one than usual, with the odds that it is (Laplace)."""
+    best, std = curve.top()
     period = max(strip.period for strip in strips)
-    clear = saved.gain >= limits.late_gain and saved.t >= limits.late_t
-    if best - usual < max(limits.later, period) or not clear:
+    if best - usual < max(limits.later, period):
+        return None
+    before, after = (_law(strips, curve.of, time) for time in (usual, best))
+    saved = gained(strips, before.left, after.left)
+    effect = CATALOGUE[_EFFECTS[curve.of]]
+    odds = after.over(before) + float(np.log(effect.odds / (1.0 - effect.odds)))
+    odds += float(np.log(min(np.sqrt(2.0 * np.pi) * std / _TIMES[-1], 1.0)))
+    if saved.share < limits.late_gain or odds < limits.worth:
         return None
     times = (best, 0.0) if curve.of == "delay" else (0.0, best)
     if followed_by_others(strips, *times) < limits.followed_elsewhere:
@@ -138,30 +142,17 @@ def _late(
         of=curve.of,
         usual=usual,
         time=best - usual,
-        std=float(np.hypot(curve.std(), 0.25 * period)),
-        saved=saved,
-        explained=1.0 - float(curve.at(best).sum()) / float(curve.whole.sum()),
-        agree=saved.agree(strips),
-        recordings=len(strips),
+        std=float(np.hypot(std, 0.25 * period)),
+        explained=1.0 - after.rss / max(float(after.target @ after.target), 1e-300),
+        support=saved.support(strips, odds),
     )
 
 
-def saved_by(late: Late, strips: Sequence[Strip]) -> Saved:
+def gained_by(late: Late, strips: Sequence[Strip]) -> Gained:
     """What the time takes from what a law leaves of other recordings."""
-    times = (late.usual, late.usual + late.time)
-    before, after = (_left(strips, late.of, time).squares for time in times)
-    return Saved(by=before - after, of=before)
+    before, after = (_law(strips, late.of, t) for t in (late.usual, late.usual + late.time))
+    return gained(strips, before.left, after.left)
 
 
-def _left(strips: Sequence[Strip], of: str, time: float) -> Left:
-    return left_by(strips, time, 0.0) if of == "delay" else left_by(strips, 0.0, time)
-
-
-def _lowest(rss: FloatArray) -> float:
-    """Where a parabola through the lowest and its neighbours is lowest."""
-    k = int(np.argmin(rss))
-    if k in (0, len(rss) - 1):
-        return float(_TIMES[k])
-    x, y = _TIMES[k - 1 : k + 2], rss[k - 1 : k + 2]
-    a, b, _ = np.polyfit(x - x[1], y, 2)
-    return float(np.clip(x[1] - 0.5 * b / a, x[0], x[2])) if a > 0.0 else float(x[1])
+def _law(strips: Sequence[Strip], of: str, time: float) -> LinearModel:
+    return law_of(strips, time, 0.0) if of == "delay" else law_of(strips, 0.0, time)

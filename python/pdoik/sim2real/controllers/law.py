@@ -1,31 +1,39 @@
-"""Laws that a joint's effort may obey, fitted by least squares, and what they leave."""
+"""Laws that a joint's effort may obey, with all their figures fitted together, and their evidence.
+
+Gains are linear in the effort. Delay, filter and the ratio of a cascade are not: they are fitted by
+their derivatives beside the gains (Gauss and Newton), and have errors and priors like these.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import optimize
 
 from pdoik.recordings import FloatArray
 
-from ..motion.signals import shifted
-from ..regression.clusters import clustered
+from ..motion.signals import lagged, shifted
+from ..thresholds.controllers import ControllerThresholds
+from .linear_model import LinearModel, Parameter, parts_of
 from .rows import Piece
 
 Kind = Literal["pd", "pid", "cascade", "table"]
 Late = Literal["effort", "command", "speed"]
+_LATE: tuple[Late, ...] = ("effort", "command", "speed")
 
-_FOLDS = 5
 _RATIOS = (0.5, 200.0)  # gains of a position loop around a speed loop [1/s]
-_NEAR = 0.15  # of a ratio's logarithm, within which it is moved
 _FREE = ("kp", "kd", "ki", "travel")
 _TRIFLE = 0.15  # of a sample: times that the logging of one channel after the other makes
-_SHORT = 1e-4  # delay or time constant that is none [s]
-_STEP = 2e-4  # by which both are moved for their slopes [s]
+_STEP = 2e-4  # by which times are moved for their slopes [s]
+_TIMES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # that are tried first, in samples
+_ROUNDS = 8  # of Gauss and Newton
+_SHARES = (1.0, 0.5, 0.25)  # of a step
+_VAGUE = 100.0  # standard deviation of a constant, in those of the effort
+_SETTLED = 1e-6  # of the sum of squares, that is no gain
+_SCALES = {"delay": 0.1, "lag": 0.1, "ratio": 100.0}  # standard deviations beforehand [s], [1/s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +55,7 @@ class Form:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the coefficients, those that begin anew in each recording left out."""
+        """Of the coefficients, the constants left out."""
         base: dict[Kind, tuple[str, ...]] = {
             "pd": ("kp", "kd"),
             "pid": ("kp", "kd", "ki"),
@@ -57,220 +65,162 @@ class Form:
         return (*base[self.kind], *self.extras)
 
     @property
-    def size(self) -> int:
-        """Number of figures."""
-        extra = (self.delay > _SHORT) + (self.lag > _SHORT) + (self.kind == "cascade")
-        return len(self.names) + 1 + extra
+    def nonlinear(self) -> tuple[str, ...]:
+        """Of its other figures, those that it has."""
+        return tuple(name for name in _SCALES if getattr(self, name) > 0.0)
+
+    def moved(self, values: Mapping[str, float]) -> Form:
+        """With other times, or another ratio."""
+        delay, lag, ratio = (values.get(name, getattr(self, name)) for name in _SCALES)
+        return replace(self, delay=delay, lag=lag, ratio=ratio)
+
+    @property
+    def integrates(self) -> bool:
+        """Whether its constant is another one in each recording: what was integrated before."""
+        return self.kind in ("pid", "cascade")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Fitted:
-    """A law with its figures, on the samples that count."""
+    """A law fitted to the samples of some recordings that count."""
 
     form: Form
-    beta: FloatArray  # in the order of `Form.names`, then constants
-    left: FloatArray  # residual of the samples, one recording after the other
-    block: NDArray[np.intp]
-    rows: FloatArray  # (N, p)
+    pieces: tuple[Piece, ...]
+    rows: float = 0.0  # that say something new at least: those that a more flexible law leaves
+
+    @cached_property
+    def linear(self) -> LinearModel:
+        """Gains and constants, times and ratio as the form has them."""
+        rows = np.concatenate([columns(p, self.form)[p.use] for p in self.pieces])
+        effort = np.concatenate([piece.effort[piece.use] for piece in self.pieces])
+        counts = [int(piece.use.sum()) for piece in self.pieces]
+        constants = np.ones((len(effort), 1))
+        if self.form.integrates:
+            constants = np.repeat(np.eye(len(counts)), counts, axis=0)
+        names = zip(self.form.names, rows.T, strict=True)
+        parameters = [Parameter(name=name, columns=column) for name, column in names]
+        vague = _VAGUE * float(np.std(effort))
+        parameters.append(Parameter(name="bias", columns=constants, std=vague))
+        return LinearModel(
+            target=effort,
+            parameters=tuple(parameters),
+            parts=parts_of(counts),
+            rows=float(len(effort)),  # to compare times, nobody need count those that say more
+        )
+
+    @cached_property
+    def whole(self) -> LinearModel:
+        """All figures, times and ratio by the law's slopes: about the best ones the same law."""
+        effort, slopes = self.linear.target, []
+        for name in self.form.nonlinear:
+            value = getattr(self.form, name)
+            sides = [max(value + step, 0.0) for step in (_STEP, -_STEP)]
+            ahead, behind = (
+                np.concatenate([columns(p, self.form.moved({name: x}))[p.use] for p in self.pieces])
+                for x in sides
+            )
+            slope = (ahead - behind) @ self.gains / (sides[0] - sides[1])
+            effort = effort + value * slope
+            slopes.append(Parameter(name=name, columns=slope, std=_SCALES[name], positive=True))
+        parameters = (*self.linear.parameters, *slopes)
+        return replace(self.linear, target=effort, parameters=parameters, rows=0.0)
 
     @property
     def rss(self) -> float:
-        """Sum of squares."""
-        return float(self.left @ self.left)
+        """Sum of squares that it leaves."""
+        return self.linear.rss
 
-    def bic(self) -> float:
-        """Bayes's criterion, for as many independent samples as the residual's memory leaves."""
-        left = self.left - self.left.mean()
-        power = float(left @ left)
-        rho = float(np.clip(left[1:] @ left[:-1] / max(power, 1e-300), 0.0, 0.999))
-        count = max(len(left) * (1.0 - rho) / (1.0 + rho), 2.0 * self.form.size)
-        return count * float(np.log(max(self.rss / len(left), 1e-300))) + self.form.size * float(
-            np.log(count)
-        )
+    @property
+    def gains(self) -> FloatArray:
+        """In the order of `Form.names`."""
+        return np.array([self.linear.value(name) for name in self.form.names])
+
+    def over(self, other: Fitted) -> float:
+        """Log evidence beyond another law of the same samples."""
+        return self.whole.over(other.whole, self.rows)
+
+    def constant(self, number: int = 0) -> float:
+        """Of the recording of that number, where each has its own."""
+        return float(self.linear.of("bias")[number if self.form.integrates else 0])
 
 
 def columns(piece: Piece, form: Form) -> FloatArray:
-    """What the law is made of, as it acts, (T, p); p as `Form.names`, and a constant."""
-    command = form.delay if form.late == "command" else 0.0
-    if command > _SHORT:
-        late = piece.acting(piece.error + piece.q, command, 0.0)
-        aim = piece.acting(piece.aim, command, 0.0)
-        piece = replace(
-            piece,
-            error=late - piece.q,
-            speed=piece.speed + aim - piece.aim,
-            rate=piece.acting(piece.rate, command, 0.0),
-        )
-    if form.late == "speed" and form.delay > _SHORT:
-        seen = shifted(piece.speed - piece.aim, -form.delay, piece.period)
-        piece = replace(piece, speed=seen + piece.aim)
+    """What the law is made of, as it acts, (T, p) as `Form.names`."""
+    if form.late == "command":
+        piece = piece.commanded_late(form.delay)
+    if form.late == "speed" and form.delay > 0.0:
+        piece = replace(piece, dq=shifted(piece.dq, -form.delay, piece.period))
     if form.kind == "cascade":
-        asked = form.ratio * piece.error + piece.speed
+        asked = form.ratio * piece.error + piece.speed_error
         parts = [asked, form.ratio * piece.column("integral") + piece.column("travel")]
     else:
-        parts = [piece.error, piece.speed]
+        parts = [piece.error, piece.speed_error]
         if form.kind == "pid":
             parts.append(piece.column("integral"))
         parts += [piece.column(f"knee {knee:.6g}") for knee in form.knees]
-    parts += [piece.column(name) for name in form.extras]
-    delay = form.delay if form.late == "effort" else 0.0
-    acting = [piece.acting(np.asarray(each), delay, form.lag) for each in parts]
-    return np.stack([*acting, np.ones(len(piece.q))], axis=1)
+    acting = np.stack([*parts, *(piece.column(name) for name in form.extras)], axis=1)
+    if form.late == "effort" and form.delay > 0.0:
+        acting = shifted(acting, form.delay, piece.period)
+    return lagged(acting, form.lag, piece.period) if form.lag > _STEP / 2.0 else acting
 
 
-def design(pieces: Sequence[Piece], form: Form) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
-    """Rows (N, p), efforts (N,) and blocks; what integrates begins anew in each recording."""
-    own = form.kind in ("pid", "cascade")
-    parts = []
-    for k, piece in enumerate(pieces):
-        rows = columns(piece, form)
-        if own:
-            starts = np.zeros((len(rows), len(pieces)))
-            starts[:, k] = 1.0
-            rows = np.hstack([rows[:, :-1], starts])
-        parts.append(rows[piece.use])
-    effort = np.concatenate([piece.effort[piece.use] for piece in pieces])
-    block = np.concatenate([piece.block[piece.use] for piece in pieces])
-    return np.concatenate(parts), effort, block
-
-
-def solved(rows: FloatArray, effort: FloatArray) -> FloatArray:
-    """Least squares with columns of even size and a trace of ridge."""
-    scale = np.sqrt(np.mean(rows**2, axis=0))
-    scale[scale < 1e-12] = 1.0
-    even = rows / scale
-    gram = even.T @ even + 1e-9 * len(rows) * np.eye(rows.shape[1])
-    return np.asarray(np.linalg.solve(gram, even.T @ effort) / scale)
-
-
-def fitted(pieces: Sequence[Piece], form: Form) -> Fitted:
-    """The law with the figures that fit best; times as the form has them."""
-    rows, effort, block = design(pieces, form)
-    beta = solved(rows, effort)
-    return Fitted(form=form, beta=beta, left=effort - rows @ beta, block=block, rows=rows)
-
-
-def tuned(pieces: Sequence[Piece], form: Form, longest: float) -> Fitted:
-    """The same with the delay, time constant and ratio that fit best."""
+def tuned(law: Fitted, limits: ControllerThresholds) -> Fitted:
+    """A law with the ratio that fits best, and a delay and a filter where evidence asks."""
     # Times that another kind of law was given may only have made up for what it lacked.
-    plain = replace(form, delay=0.0, lag=0.0)
-    begins = [fitted(pieces, form), fitted(pieces, plain)]
-    if form.kind == "cascade":
-        begins = [_with_ratio(pieces, each) for each in (form, plain)]
-    best = min(begins, key=lambda each: each.rss)
-    times = np.array([0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0]) * float(
-        np.median([piece.period for piece in pieces])
-    )
-    times = times[times <= longest]
-    tried = [
-        fitted(pieces, replace(best.form, delay=time, late=late))
-        for late in ("effort", "command", "speed")
-        for time in times
-    ]
-    tried += [fitted(pieces, replace(best.form, lag=time)) for time in times]
-    best = min([best, *tried], key=lambda each: each.rss)
-    return polished(pieces, best, longest)
+    best = replace(law, form=replace(law.form, delay=0.0, lag=0.0, late="effort"))
+    if law.form.kind == "cascade":
+        best = _improved(_with_ratio(best), limits)
+    period = float(np.median([piece.period for piece in law.pieces]))
+    times = [each * period for each in _TIMES if each * period <= limits.longest_delay]
+    for _ in range(2):  # a delay, a filter
+        new = {"delay", "lag"} - set(best.form.nonlinear)
+        forms = [
+            [replace(best.form.moved({name: time}), late=late) for time in times for late in kinds]
+            for name, kinds in (("lag", (best.form.late,)), ("delay", _LATE))
+            if name in new and times
+        ]
+        likely = [min((replace(best, form=f) for f in each), key=_rss) for each in forms]
+        later = min((_improved(each, limits) for each in likely), key=_rss, default=best)
+        clear = any(getattr(later.form, name) > _TRIFLE * period for name in new)
+        if not clear or later.over(best) < limits.worth:
+            break
+        best = later
+    return best
 
 
-def _with_ratio(pieces: Sequence[Piece], form: Form) -> Fitted:
-    """A cascade with the ratio that fits best, its times kept.
+def _with_ratio(law: Fitted) -> Fitted:
+    """A cascade with a likely ratio.
 
     It fits well within a narrow range only, near which a law with four free factors leads: of
     error, speed, the error's integral and the way travelled, kp is the first over the second, and
     the third over the fourth.
     """
-    free = fitted(pieces, replace(form, kind="pid", extras=(*form.extras, "travel"), ratio=0.0))
-    kp, kd, ki, travel = (float(free.beta[free.form.names.index(n)]) for n in _FREE)
+    form = law.form
+    free = replace(law, form=replace(form, kind="pid", extras=(*form.extras, "travel"), ratio=0.0))
+    kp, kd, ki, travel = (free.linear.value(name) for name in _FREE)
     near = [a / b for a, b in ((kp, kd), (ki, travel)) if a * b > 0.0]
     low, high = _RATIOS
     ratios = [*(float(np.clip(each, low, high)) for each in near), *np.geomspace(low, high, 14)]
-    best = min(
-        (fitted(pieces, replace(form, ratio=float(each))) for each in ratios),
-        key=lambda each: each.rss,
-    )
-    found = optimize.minimize_scalar(
-        lambda x: fitted(pieces, replace(form, ratio=float(np.exp(x)))).rss,
-        bounds=(np.log(best.form.ratio) - _NEAR, np.log(best.form.ratio) + _NEAR),
-        method="bounded",
-    )
-    closer = fitted(pieces, replace(form, ratio=float(np.exp(found.x))))
-    return min(best, closer, key=lambda each: each.rss)
+    tried = [replace(law, form=replace(form, ratio=float(each))) for each in ratios]
+    return min(tried, key=_rss)
 
 
-def polished(pieces: Sequence[Piece], start: Fitted, longest: float) -> Fitted:
-    """Delay, time constant and ratio moved to where the law fits best (Nelder and Mead)."""
-    unit = float(np.median([piece.period for piece in pieces]))
-
-    def form_at(x: FloatArray) -> Form:
-        ratio = float(np.exp(x[2])) if start.form.kind == "cascade" else 0.0
-        delay, lag = (float(np.clip(each * unit, 0.0, longest)) for each in x[:2])
-        return replace(start.form, delay=delay, lag=lag, ratio=ratio)
-
-    x0 = [start.form.delay / unit, start.form.lag / unit, np.log(max(start.form.ratio, 1e-3))]
-    size = 3 if start.form.kind == "cascade" else 2
-    simplex = np.vstack([x0[:size]] + [np.array(x0[:size]) + 0.4 * row for row in np.eye(size)])
-    found = optimize.minimize(  # type: ignore[call-overload]  # its stubs know no fatol
-        lambda x: fitted(pieces, form_at(x)).rss,
-        np.array(x0[:size], dtype=np.float64),
-        method="Nelder-Mead",
-        options={
-            "maxfev": 60,
-            "xatol": 1e-2,
-            "fatol": 1e-5 * start.rss,
-            "initial_simplex": simplex,
-        },
-    )
-    best = fitted(pieces, form_at(np.asarray(found.x)))
-    best = best if best.rss < start.rss else start
-    delay, lag = (
-        each if each > _TRIFLE * unit else 0.0 for each in (best.form.delay, best.form.lag)
-    )
-    if (delay, lag) == (best.form.delay, best.form.lag):
-        return best
-    return fitted(pieces, replace(best.form, delay=delay, lag=lag))
+def _improved(law: Fitted, limits: ControllerThresholds) -> Fitted:
+    """With times and ratio where it fits best."""
+    ends = {"delay": (0.0, limits.longest_delay), "lag": (0.0, limits.longest_delay)}
+    ends["ratio"] = _RATIOS
+    for _ in range(_ROUNDS):
+        here = {name: float(getattr(law.form, name)) for name in law.form.nonlinear}
+        there = {name: float(np.clip(law.whole.value(name), *ends[name])) for name in here}
+        steps = ({n: x + share * (there[n] - x) for n, x in here.items()} for share in _SHARES)
+        moved = (replace(law, form=law.form.moved(step)) for step in steps)
+        best = next((each for each in moved if each.rss < law.rss), law)
+        settled = best.rss >= (1.0 - _SETTLED) * law.rss
+        law = best
+        if settled:
+            break
+    return law
 
 
-def held_out(pieces: Sequence[Piece], form: Form) -> FloatArray:
-    """Sums of squares by block of samples that the figures were not fitted to; (blocks,).
-
-    Left out in turn are parts of all recordings; times are the form's.
-    """
-    rows, effort, block = design(pieces, form)
-    numbers = np.unique(block)
-    fold = np.minimum(np.searchsorted(numbers, block) * _FOLDS // len(numbers), _FOLDS - 1)
-    squares = np.zeros(int(block.max()) + 1)
-    for each in range(_FOLDS):
-        out = fold == each
-        if out.any() and not out.all():
-            left = effort[out] - rows[out] @ solved(rows[~out], effort[~out])
-            squares += np.bincount(block[out], left**2, minlength=len(squares))
-    return squares
-
-
-def errors(pieces: Sequence[Piece], law: Fitted) -> dict[str, float]:
-    """Standard errors of the figures, times and ratio among them, blocks as clusters."""
-    form = law.form
-    slopes: list[FloatArray] = [law.rows]
-    names = [*form.names]
-    extra = []
-    for name in ("delay", "lag", "ratio"):
-        value = getattr(form, name)
-        if value > _SHORT:
-            step = _STEP if name != "ratio" else 1e-3 * value
-            ahead = design(pieces, replace(form, **{name: value + step}))[0]
-            behind = design(pieces, replace(form, **{name: max(value - step, 0.0)}))[0]
-            width = step + min(step, value)
-            slopes.append(((ahead - behind) @ law.beta / width)[:, None])
-            extra.append(name)
-    rows = np.hstack(slopes)
-    scale = np.sqrt(np.mean(rows**2, axis=0)) + 1e-12
-    even = rows / scale
-    inverse = np.linalg.pinv(even.T @ even, rcond=1e-10, hermitian=True)
-    covariance, count = clustered(inverse, even, law.left, law.block)
-    covariance *= count / max(count - rows.shape[1], 1)
-    std = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
-    result = {name: float(std[k]) for k, name in enumerate(names)}
-    result["bias"] = float(std[len(names)])
-    wide = law.rows.shape[1]
-    result |= {name: float(std[wide + k]) for k, name in enumerate(extra)}
-    return result
+def _rss(law: Fitted) -> float:
+    return law.rss

@@ -58,7 +58,7 @@ def load_of(body: RigidBody, j: int, motor: Motor, drive_error: float) -> Load |
     spread = np.hypot(b.std * inertia, rotor.std) / (a.value * moment)
     spread = float(np.hypot(spread, whole * a.std / a.value))
     load = Load(reduced_length=Figure(value=whole, std=spread), own_length=inertia / moment)
-    if motor.told and motor.told_rotor and b.value > 0.0:
+    if motor.given and motor.given_rotor and b.value > 0.0:
         relative = np.hypot(a.std / a.value, b.std / b.value)
         twice = np.hypot(2.0 * a.std / a.value, b.std / b.value)
         twice = np.hypot(twice, drive_error)  # a length is a ratio, which the scale leaves alone

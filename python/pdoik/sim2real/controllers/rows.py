@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..motion.signals import derivative, lagged, shifted
+from ..motion.signals import derivative, shifted
 from ..thresholds.controllers import ControllerThresholds
 from .feeds import Feeds
 
@@ -25,9 +26,9 @@ class Piece:
     name: str
     period: float
     q: FloatArray
-    error: FloatArray  # q_des - q
-    speed: FloatArray  # dq_des - dq where dq_des was logged, else -dq
-    aim: FloatArray  # dq_des; zero where it was not logged
+    q_des: FloatArray
+    dq: FloatArray
+    dq_des: FloatArray  # zero where it was not logged
     rate: FloatArray  # of q_des; zero where dq_des was logged
     effort: FloatArray
     gravity: FloatArray  # torque of the model at rest [N m]
@@ -35,7 +36,16 @@ class Piece:
     mass: FloatArray  # of the joint by the model, zero where nobody knows [kg m^2]
     others: FloatArray  # (T, 2) the model's torque for the other joints' errors and error speeds
     use: NDArray[np.bool_]  # samples that count
-    block: NDArray[np.intp]
+
+    @property
+    def error(self) -> FloatArray:
+        """Of position, (T,)."""
+        return self.q_des - self.q
+
+    @property
+    def speed_error(self) -> FloatArray:
+        """Minus the speed where no desired one was logged, (T,)."""
+        return self.dq_des - self.dq
 
     def column(self, name: str) -> FloatArray:
         """A part of a law, (T,)."""
@@ -49,13 +59,13 @@ class Piece:
         values: FloatArray = getattr(self, name)
         return values
 
-    def acting(self, values: FloatArray, delay: float, lag: float) -> FloatArray:
-        """As it acts after a delay and a first-order filter; (T,)."""
-        if delay > 0.0:
-            values = shifted(values, delay, self.period)
-        if lag > 1e-4:
-            values = lagged(values[:, None], lag, self.period)[:, 0]
-        return values
+    def commanded_late(self, delay: float) -> Self:
+        """With commands, and the torque for them, so much later [s]."""
+        if delay <= 0.0:
+            return self
+        late = np.stack([self.q_des, self.dq_des, self.rate, self.inertia], axis=1)
+        q_des, dq_des, rate, inertia = shifted(late, delay, self.period).T
+        return replace(self, q_des=q_des, dq_des=dq_des, rate=rate, inertia=inertia)
 
 
 def effort_of(recordings: Sequence[Recording], j: int) -> str:
@@ -78,16 +88,9 @@ def pieces_of(
     limits: ControllerThresholds,
     most: int | None = None,
 ) -> tuple[Piece, ...]:
-    """The recordings of joint j, their first samples up to `most`, blocks numbered through."""
+    """The recordings of joint j, their first samples up to `most`."""
     most = limits.most_rows // max(len(recordings), 1) if most is None else most
-    pieces: list[Piece] = []
-    first = 0
-    for r in recordings:
-        piece = _piece(r, j, effort, feeds, limits, most)
-        piece = replace(piece, block=piece.block + first)
-        first = int(piece.block[-1]) + 1
-        pieces.append(piece)
-    return tuple(pieces)
+    return tuple(_piece(r, j, effort, feeds, limits, most) for r in recordings)
 
 
 def _piece(
@@ -103,11 +106,9 @@ def _piece(
     part = slice(0, count)
     speed = r.dq if r.dq is not None and np.isfinite(r.dq[:, j]).all() else None
     dq = derivative(r.q, r.period)[part, j] if speed is None else speed[part, j]
-    aimed = r.dq_des is not None and bool(np.isfinite(r.dq_des[:, j]).all())
-    rate, aim = derivative(r.q_des[:, j], r.period)[part], np.zeros(count)
-    if aimed:
-        assert r.dq_des is not None
-        rate, aim = aim, r.dq_des[part, j]
+    rate, dq_des = derivative(r.q_des[:, j], r.period)[part], np.zeros(count)
+    if r.dq_des is not None and np.isfinite(r.dq_des[:, j]).all():
+        rate, dq_des = dq_des, r.dq_des[part, j]
     gravity = inertia = mass = np.zeros(count)
     others = np.zeros((count, 2))
     model = feeds.of(r) if effort in ("tau_cmd", "tau") else None
@@ -123,9 +124,9 @@ def _piece(
         name=r.name,
         period=r.period,
         q=r.q[part, j],
-        error=r.q_des[part, j] - r.q[part, j],
-        speed=aim - dq,
-        aim=aim,
+        q_des=r.q_des[part, j],
+        dq=dq,
+        dq_des=dq_des,
         rate=rate,
         effort=values[part, j],
         gravity=gravity,
@@ -133,5 +134,4 @@ def _piece(
         mass=mass,
         others=others,
         use=use,
-        block=(np.arange(count) * r.period / limits.block).astype(np.intp),
     )

@@ -27,13 +27,13 @@ from ..findings import Estimate
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.signals import derivative, zero_phase
-from ..regression.clusters import clustered
 from ..study.controller import ToldController
 from ..thresholds.controllers import ControllerThresholds
+from .linear_model import LinearModel, Parameter, parts_of
 
 _SUPPLY = 1.0  # a supply's slower changes are its own, quicker ones are the bridge's switching [Hz]
 _LOW, _PARTS = 0.1, 8  # quantile of readings that are of pulses; parts by which its error is told
-_MOST_LOSS = 0.6  # share of the supply lost at full duty
+_MOST_LOSS, _USUAL_LOSS = 0.6, 0.3  # share of the supply lost at full duty; where none is read
 _LEAST_LOSS_ERROR = 0.1  # of that share: a reading is of one instant, and a cable rings
 _NOMINAL = 1.0  # supply where none is known: torques are per full duty then [V]
 
@@ -60,8 +60,8 @@ class Motor:
     rotor_inertia: Figure  # at the joint [kg m^2]; negative where the load is told too long
     gravity: Figure  # factor of the model's; 1 where nothing tells the torque's scale
     inertia: Figure  # the same of the inertia
-    told: bool  # whether torque_per_volt is the study's
-    told_rotor: bool  # whether the rotor's inertia is
+    given: bool  # whether torque_per_volt is the study's
+    given_rotor: bool  # whether the rotor's inertia is
 
     @property
     def rotor(self) -> Figure:
@@ -135,73 +135,62 @@ def motor_of(
 ) -> Motor | None:
     """The motor that fits the model best, beside friction; None where nothing moves.
 
-    Where the study tells the torque per volt, the model's gravity and inertia have factors instead.
+    Where the study gives the torque per volt, the model's gravity and inertia have factors instead.
     """
     key = ("torque", j)
     if key not in b.residual or not b.excited[j]:
         return None
-    free = any(let_go(m.recording, j).any() for m in b.motions)
-    keep = b.mask[key]
-    parts = [_columns(m, j, told) for m in b.motions]
-    rows = np.concatenate([b.thin(i, part) for i, part in enumerate(parts)])[keep]
-    y, A = rows[:, 0], rows[:, 1:].copy()
-    if len(rows) < limits.least_rows // 10 or not np.any(A[:, _GRAVITY]):
+    keep, parts = b.mask[key], [_columns(m, j, told) for m in b.motions]
+    thin = [b.thin(i, part) for i, part in enumerate(parts)]
+    rows = dict(zip(_NAMES, np.concatenate(thin)[keep].T, strict=True))
+    volts = rows.pop("volts")
+    if len(volts) < limits.least_rows // 10 or not np.any(rows["gravity"]):
         return None
-    known = _told(told, j)
-    body = b.motions[0].body
+    given, body = _given(told, j), b.motions[0].body
+    k = given.pop("torque_per_volt", None)
     rotor = 0.0 if body is None else float(body.rotor[j])
-    lower, upper = _LOWER.copy(), _UPPER.copy()
-    scale_told = "torque_per_volt" in known
-    if not scale_told:  # only the whole is seen
-        A[:, _GRAVITY] += A[:, _INERTIA] + rotor * A[:, _ROTOR]
-        upper[_INERTIA] = 1e-12
+    if k is None:  # only the whole of the load is seen, a rotor that is known with it
+        rows["gravity"] = rows["gravity"] + rows.pop("inertia") + rotor * rows["rotor_inertia"]
+        given.pop("back_emf", None)
     if rotor:
-        fixed = rotor / known["torque_per_volt"] if scale_told else 0.0
-        lower[_ROTOR], upper[_ROTOR] = fixed - 1e-12, fixed + 1e-12
-    if not free:
-        upper[_VISCOUS] = 1e-12
-    if scale_told and "back_emf" in known:
-        emf = known["back_emf"] / known["torque_per_volt"]
-        lower[_EMF], upper[_EMF] = emf - 1e-12, emf + 1e-12
-    if "supply_loss" in known:
-        loss = known["supply_loss"]
-        lower[_LOSS], upper[_LOSS] = loss - 1e-12, loss + 1e-12
-    beta = _bounded(A, y, lower, upper)
-    block = b.block[keep]
-    read = sag([m.recording for m in b.motions], j)
-    if read is not None and "supply_loss" not in known:
-        # What readings say of the loss weighs as a row; rows near in time are one.
-        weight = float(np.std(y - A @ beta)) * np.sqrt(len(y) / len(np.unique(block))) / read[1]
-        row = np.zeros(A.shape[1])
-        row[_LOSS] = weight
-        A, y = np.vstack([A, row]), np.append(y, weight * read[0])
-        block = np.append(block, block.max() + 1)
-        beta = _bounded(A, y, lower, upper)
-    std = _errors(A, y - A @ beta, block, lower, upper, beta)
-    if scale_told:
-        k = Figure(value=known["torque_per_volt"], std=0.0)
-        gravity, inertia = (
-            Figure(value=float(k.value * beta[at]), std=float(k.value * std[at]))
-            for at in (_GRAVITY, _INERTIA)
-        )
-    else:
-        k = Figure(
-            value=float(1.0 / beta[_GRAVITY]), std=float(std[_GRAVITY] / beta[_GRAVITY] ** 2)
-        )
-        gravity = inertia = Figure(value=1.0, std=0.0)
-    if not rotor:
-        turning = Figure(value=float(k.value * beta[_ROTOR]), std=float(k.value * std[_ROTOR]))
-    else:
-        turning = Figure(value=rotor, std=0.0)
+        given["rotor_inertia"] = rotor if k else 0.0
+    if not any(let_go(m.recording, j).any() for m in b.motions):
+        del rows["viscous"]
+    for name, value in given.items():
+        volts = volts - (value if name == "supply_loss" else value / (k or 1.0)) * rows.pop(name)
+    counts = [int(part.sum()) for part in np.split(keep, np.cumsum([len(t) for t in thin])[:-1])]
+    plain = LinearModel(
+        target=volts,
+        parameters=tuple(
+            Parameter(name=name, columns=column, positive=name in _POSITIVE)
+            for name, column in rows.items()
+        ),
+        parts=parts_of(counts),
+    )
+    # What friction's law misses is as slow as a block: what is read weighs more beside such rows.
+    weight = min(float(np.sqrt(len(np.unique(b.block[keep])) / plain.rows)), 1.0)
+    mean, std = sag([m.recording for m in b.motions], j) or (0.0, _USUAL_LOSS)
+    model = plain.with_prior("supply_loss", mean, weight * std)
+    per = model.value("gravity")
+    if per <= 0.0:
+        return None
+
+    def figure(name: str, scale: float) -> Figure:
+        if name not in rows:
+            return Figure(value=given[name], std=0.0)
+        return Figure(value=scale * model.value(name), std=scale * model.std(name))
+
+    scale, one = k or 1.0 / per, Figure(value=1.0, std=0.0)
+    turning = Figure(value=rotor, std=0.0) if rotor else figure("rotor_inertia", scale)
     return Motor(
-        torque_per_volt=k,
-        back_emf=Figure(value=float(k.value * beta[_EMF]), std=float(k.value * std[_EMF])),
-        supply_loss=Figure(value=float(beta[_LOSS]), std=float(std[_LOSS])),
+        torque_per_volt=Figure(value=scale, std=0.0 if k else model.std("gravity") / per**2),
+        back_emf=figure("back_emf", scale),
+        supply_loss=figure("supply_loss", 1.0),
         rotor_inertia=turning,
-        gravity=gravity,
-        inertia=inertia,
-        told=scale_told,
-        told_rotor=bool(rotor),
+        gravity=figure("gravity", scale) if k else one,
+        inertia=figure("inertia", scale) if k else one,
+        given=bool(k),
+        given_rotor=bool(rotor),
     )
 
 
@@ -224,9 +213,11 @@ def with_torque(
     return tuple(result)
 
 
-_GRAVITY, _INERTIA, _ROTOR, _SIGN, _THROUGH, _ZERO, _EMF, _LOSS, _VISCOUS = range(9)
-_LOWER = np.array([1e-6, 0.0, -np.inf, 0.0, 0.0, -np.inf, 0.0, 0.0, 0.0])
-_UPPER = np.array([np.inf] * 7 + [_MOST_LOSS, np.inf])
+_NAMES = (
+    *("volts", "gravity", "inertia", "rotor_inertia", "sign", "through"),
+    *("zero", "back_emf", "supply_loss", "viscous"),
+)
+_POSITIVE = ("gravity", "inertia", "sign", "through", "back_emf", "supply_loss", "viscous")
 
 
 def _columns(m: Motion, j: int, told: ToldController | None) -> FloatArray:
@@ -245,8 +236,8 @@ def _columns(m: Motion, j: int, told: ToldController | None) -> FloatArray:
     return np.stack([given, *made_of], axis=1)
 
 
-def _told(told: ToldController | None, j: int) -> dict[str, float]:
-    """Figures of the drive that the study tells."""
+def _given(told: ToldController | None, j: int) -> dict[str, float]:
+    """Figures of the drive that the study gives."""
     if told is None:
         return {}
     each = {
@@ -255,32 +246,3 @@ def _told(told: ToldController | None, j: int) -> dict[str, float]:
         "supply_loss": told.supply_loss,
     }
     return {name: float(values[j]) for name, values in each.items() if values is not None}
-
-
-def _bounded(A: FloatArray, y: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-9
-    found = optimize.lsq_linear(A / scale, y, (lower * scale, upper * scale), method="bvls")
-    return np.asarray(found.x / scale, dtype=np.float64)
-
-
-def _errors(
-    A: FloatArray,
-    left: FloatArray,
-    block: NDArray[np.intp],
-    lower: FloatArray,
-    upper: FloatArray,
-    beta: FloatArray,
-) -> FloatArray:
-    """Standard errors of what lies on no bound, blocks as clusters."""
-    span = 1e-6 * (np.abs(beta) + 1e-9)
-    free = (beta > lower + span) & (beta < upper - span)
-    std = np.zeros(len(beta))
-    if not free.any():
-        return std
-    scale = np.sqrt(np.mean(A[:, free] ** 2, axis=0)) + 1e-12
-    even = A[:, free] / scale
-    inverse = np.linalg.pinv(even.T @ even, hermitian=True)
-    covariance, count = clustered(inverse, even, left, block)
-    covariance *= count / max(count - even.shape[1], 1)
-    std[free] = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
-    return std

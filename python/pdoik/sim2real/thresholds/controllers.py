@@ -14,16 +14,17 @@ class ControllerThresholds(Group):
     least_rows: int = threshold(200, "samples below which no law is estimated", "rows")
     most_rows: int = threshold(12_000, "samples of a joint that are used at most", "rows")
     settling: float = threshold(0.15, "time at a recording's begin that is left out", "s")
-    block: float = threshold(0.5, "time within which samples count as one for errors", "s")
     least_gain: float = threshold(
-        0.05, "share of what a simpler law leaves on held-out blocks that a further term must save"
+        0.05, "share of what a simpler law leaves that a further term must save"
     )
-    gain_t: float = threshold(3.0, "standard errors by which that must be clear", "s.e.")
-    least_bic: float = threshold(
-        10.0,
-        "difference of Bayes's criterion that a further term needs",
+    worth: float = threshold(
+        5.0,
+        "log odds from which a further term, a delay, a limit or another gain is taken",
         "",
         "Kass and Raftery, JASA 90(430), 1995: very strong",
+    )
+    gain_t: float = threshold(
+        3.0, "standard errors by which a position gain must be above nothing", "s.e."
     )
     gain_error: float = threshold(
         0.005, "least error of a gain, as a share of it: a log's samples are not the controller's"
@@ -32,8 +33,12 @@ class ControllerThresholds(Group):
         0.8, "share of the held-out effort that a law must explain to be believed"
     )
     used: float = threshold(0.95, "the same for its gains to stand in for gains not known")
-    told_off: float = threshold(0.05, "share by which a gain told must be off to be said wrong")
-    told_t: float = threshold(4.0, "standard errors by which it must be off", "s.e.")
+    given_off: float = threshold(
+        0.05, "share by which a gain that the study gives must be off to be said wrong"
+    )
+    given_usual: float = threshold(
+        0.3, "by which such a gain usually is off where it is wrong, as a share of it"
+    )
     flat: float = threshold(0.002, "share of the highest effort within which its top is flat")
     flat_rows: int = threshold(8, "samples at a flat top", "rows")
     let_go: float = threshold(0.08, "time without effort after which a drive may have let go", "s")
@@ -60,7 +65,6 @@ class ControllerThresholds(Group):
     late_gain: float = threshold(
         0.1, "share of what a law leaves that coming late, or a limit, must save"
     )
-    late_t: float = threshold(3.0, "standard errors by which that must be clear", "s.e.")
     later: float = threshold(
         0.008, "by which one joint must act later than the others do: current loops differ", "s"
     )

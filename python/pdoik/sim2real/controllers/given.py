@@ -1,4 +1,4 @@
-"""What the study tells of a controller, beside what its effort shows."""
+"""What the study gives of a controller's gains, beside what its effort shows."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ SEEN_ITSELF = ("tau_cmd", "duty")
 """Efforts that are the law's own: a torque reported may differ from it by the drive's gain."""
 
 
-def told_gains(study: Study, j: int) -> dict[str, float]:
-    """Gains of joint j that the study tells, by name."""
-    told, known = study.told, study.controller
-    if told is not None:
-        every = {name: float(values[j]) for name, values in told.gains.items()}
+def given_gains(study: Study, j: int) -> dict[str, float]:
+    """Gains of joint j that the study gives, by name."""
+    given, known = study.told, study.controller
+    if given is not None:
+        every = {name: float(values[j]) for name, values in given.gains.items()}
         return {name: value for name, value in every.items() if np.isfinite(value)}
     if isinstance(known, Controller) and known.type == "pd":
         return {"kp": float(known.kp[j]), "kd": float(known.kd[j])}
@@ -29,7 +29,7 @@ def told_gains(study: Study, j: int) -> dict[str, float]:
 def compared(
     law: JointLaw, gains: dict[str, float], limits: ControllerThresholds
 ) -> ControllerEstimate:
-    """With the position gain told, if the effort contradicts it.
+    """With the position gain given, if the effort contradicts it.
 
     Only where the law's own effort was logged and is explained, and in every recording by itself:
     what one of them has is no gain. Dampings and integrals are not judged: a speed that is logged
@@ -44,9 +44,19 @@ def compared(
         value *= gains["kv"]
     elif ("kv" in gains) != (estimate.law == "cascade") or estimate.law == "table":
         return estimate
-    above = value > found.value
-    wrong = all(
-        (value - kp if above else kp - value) > max(limits.told_off * abs(kp), limits.told_t * std)
-        for kp, std in ((found.value, found.std), *law.each)
-    )
+    shown = ((found.value, found.std), *law.each)
+    same_way = len({value > kp for kp, _ in shown}) == 1
+    far = all(abs(value - kp) > limits.given_off * abs(kp) for kp, _ in shown)
+    differs = all(_log_odds(value, kp, std, limits) > limits.worth for kp, std in shown)
+    wrong = same_way and far and differs
     return replace(estimate, told_wrong={"kp": value}) if wrong else estimate
+
+
+def _log_odds(value: float, kp: float, std: float, limits: ControllerThresholds) -> float:
+    """That a gain is another one than given, as usual errors of it are.
+
+    The density of the gain at the value given before the data over that after them (Dickey, Annals
+    of Mathematical Statistics 42, 1971).
+    """
+    usual = np.hypot(limits.given_usual * value, std)
+    return float(0.5 * ((value - kp) / std) ** 2 + np.log(std / usual))
