@@ -128,7 +128,7 @@ def window(truth: Content, diagnosis: Content) -> Row:
 def against_true(truth: Content, diagnosis: Content, true: Mapping[str, float]) -> Row:
     """Held-out residual after, over the true model's; over the noise floor where there is none.
 
-    The median of the joints that show what is hidden, as in `diagnosis_score.left`.
+    The median of the joints that show what is hidden, as in `concealed.score.left`.
     """
     joints = {n: each for n, each in diagnosis["joints"].items() if each["noise_floor"] > 0.0}
     shown = [n for n, each in joints.items() if each["before"] > AFFECTED * each["noise_floor"]]
