@@ -137,12 +137,12 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
     )
 
 
-def gained_by(cut: CutOff, strips: Sequence[Strip]) -> Gained | None:
-    """What the limit takes from what a law leaves of other recordings; None where it shows none."""
+def gained_by(cut: CutOff, strips: Sequence[Strip]) -> Gained:
+    """What the limit takes from what a law leaves of other recordings; nothing if it shows none."""
     rows = _rows(strips)
     other = None if rows is None else _turned(rows, cut.limit, _at(rows, cut.limit))
     if rows is None or other is None:
-        return None
+        return Gained(by=np.zeros(1), of=np.zeros(1))
     most = cut.limit.most(np.sign(other.asked) * rows.speed)
     left = rows.effort - np.clip(other.asked, -most, most)
     return gained(strips, rows.model().left, left)
@@ -194,7 +194,9 @@ def _best(rows: _Rows) -> _Cut | None:
         tried = [_turned(rows, limit, _at(rows, limit)) for limit in starts]
         likely = [each for each in tried if each is not None]
         if likely:
-            found.append(_settled(rows, min(likely, key=lambda each: each.rss)))
+            cut = _settled(rows, min(likely, key=lambda each: each.rss))
+            if _turned(rows, cut.limit, _at(rows, cut.limit)):  # of all that is near it, too
+                found.append(cut)
     return min(found, key=lambda each: each.rss, default=None)
 
 

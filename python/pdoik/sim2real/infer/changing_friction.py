@@ -19,7 +19,6 @@ from ..effects.friction_drift import FrictionDrift
 from ..findings import MOST_EQUIVALENTS, Equivalent, Finding
 from ..motion.place import Key
 from ..regression.background import friction_at
-from ..regression.clusters import clustered
 from ..regression.fit import Fit
 from ..regression.random_effects import spread_between
 from ..thresholds import Thresholds
@@ -95,5 +94,5 @@ def _scale(
         return None
     share = float(varying @ left) / power
     rest = left - left.mean() - share * varying
-    covariance, _ = clustered(np.array([[1.0 / power]]), varying[:, None], rest, block)
-    return share, float(np.sqrt(covariance[0, 0]))
+    by_block = np.bincount(block, varying * rest)  # rows of a block err alike
+    return share, float(np.linalg.norm(by_block)) / power
