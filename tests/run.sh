@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# Formatters, checkers, and whether the type stubs are those of the module.
+# Formatters, checkers, and whether what is written from the options' headers and the module is theirs.
 stage_lint() {
   .venv/bin/ruff check .
   .venv/bin/ruff format --check .
@@ -13,6 +13,7 @@ stage_lint() {
   PYTHONPATH=python .venv/bin/lint-imports --no-cache
   find cpp tests bench python/bindings -regex '.*\.[chi]\(pp\|nl\)' -print0 |
     xargs -0 .venv/bin/clang-format --dry-run -Werror
+  .venv/bin/python python/bindings/option_fields.py --check
   bash python/bindings/stubs.sh --check
 }
 

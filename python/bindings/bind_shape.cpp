@@ -7,10 +7,10 @@
 #include "names.hpp"
 #include "pdoik/shape.hpp"
 
-namespace pdoik::python {
+namespace pdoik::detail {
 
 template <>
-inline constexpr std::array names<Shape::Kind>{
+inline constexpr std::array enumerator_names<Shape::Kind>{
     std::pair{Shape::Kind::Sphere, "sphere"},
     std::pair{Shape::Kind::Box, "box"},
     std::pair{Shape::Kind::Cylinder, "cylinder"},
@@ -21,10 +21,13 @@ inline constexpr std::array names<Shape::Kind>{
     std::pair{Shape::Kind::Boxes, "boxes"},
     std::pair{Shape::Kind::DistanceField, "distance_field"}};
 template <>
-inline constexpr std::array names<DistanceField::Unknown>{
+inline constexpr std::array enumerator_names<DistanceField::Unknown>{
     std::pair{DistanceField::Unknown::Free, "free"},
     std::pair{DistanceField::Unknown::Occupied, "occupied"}};
 
+}  // namespace pdoik::detail
+
+namespace pdoik::python {
 namespace {
 
 using KindName = py::typing::Literal<"'sphere'", "'box'", "'cylinder'", "'capsule'", "'half_space'",

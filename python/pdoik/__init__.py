@@ -11,7 +11,7 @@ True
 from typing import TYPE_CHECKING, Any
 
 import pdoik._import_core  # says what to install if a library is missing
-import pdoik._ways  # noqa: F401  # puts Robot.from_urdf and its like on Robot
+import pdoik._loaders  # noqa: F401  # puts Robot.from_urdf and its like on Robot
 from pdoik._core import (
     Attachment,
     BatchResult,

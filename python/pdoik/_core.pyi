@@ -118,7 +118,7 @@ class Cloud:
     @staticmethod
     def from_depth(image: numpy.typing.ArrayLike, K: numpy.typing.ArrayLike, T_base_camera: numpy.typing.ArrayLike | None = None, max_range: float | None = None, *, scale: float | None = None, leaf: float | None = None, radii: bool = False, solid: bool = False) -> Cloud:
         """
-        Take in what a depth camera has seen.
+        Make a cloud of what a depth camera has seen.
         
         Args:
             image: Depths along the optical axis, shape (H, W). Floats are metres and whole numbers
@@ -340,7 +340,7 @@ class Shape:
     @staticmethod
     def height_field(name: str, heights: numpy.typing.ArrayLike, cell: numpy.typing.ArrayLike, T_base_shape: numpy.typing.ArrayLike | None = None, *, bottom: float | None = None) -> Shape:
         """
-        Ground by its heights over a grid, as a closed mesh: solid down to its bottom.
+        Make ground of its heights over a grid: a closed mesh, solid down to its bottom.
         
         Args:
             name: What results call it.
@@ -377,20 +377,20 @@ class Shape:
     @staticmethod
     def octomap(name: str, path: str | os.PathLike[str], T_base_shape: numpy.typing.ArrayLike | None = None, *, unknown: bool = False, region: numpy.typing.ArrayLike | None = None) -> Shape:
         """
-        What an OctoMap takes, put together to few boxes.
+        Read an OctoMap: its occupied cells, joined to few boxes.
         
         Args:
             name: What results call it.
-            path: A file that OctoMap wrote: .bt, or .ot, whose leaves are taken from even odds on.
+            path: A file that OctoMap wrote: .bt, or .ot, whose leaves are occupied from even odds on.
             T_base_shape: The map's frame in the base frame, shape (4, 4) [m]; None for the base frame
                 itself.
-            unknown: Whether what the map does not know is taken, too: in the region, or without one in
-                the smallest box that holds all it knows. Otherwise it is free.
+            unknown: Whether cells that the map does not know are occupied, too: in the region, or
+                without one in the smallest box that holds all it knows. Otherwise they are free.
             region: The lowest and the highest x, y, z of what counts, in the map's frame, shape
                 (2, 3) [m]. None for all of it.
         
         Raises:
-            LoadError: The file cannot be read, or nothing in it is taken.
+            LoadError: The file cannot be read, or nothing in it is occupied.
             ValueError: Names the shape and what is wrong with it.
         """
     @staticmethod
@@ -660,7 +660,7 @@ class Robot:
     @staticmethod
     def from_description(name: str, base_link: str | None = None, tip_link: str | collections.abc.Sequence[str] | None = None, *, T_world_base: numpy.typing.ArrayLike | None = None, floating_base: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, srdf: str | os.PathLike[str] | None = None, hulls: bool = True, arguments: collections.abc.Mapping[str, str] | None = None, packages: pdoik._addresses.Packages = tuple()) -> Robot:
         """
-        A shipped robot, or a description that another package brings, by name.
+        Read a shipped robot, or a description that another package brings, by its name.
         
         Args:
             name: Such as "panda" (shipped); "ur5", "xarm7" (package example-robot-data); "ur10e",
@@ -671,8 +671,8 @@ class Robot:
             T_world_base: As there.
             floating_base: As there.
             srdf: As there.
-            hulls: As there, but fitted unless told otherwise. Shipped robots have theirs.
-            arguments: Of a xacro file, beside those that the description has.
+            hulls: As there, but fitted by default. Shipped robots have theirs.
+            arguments: Of a xacro file, in addition to those that the description has.
             packages: As there.
         
         Raises:
@@ -725,7 +725,7 @@ class Robot:
                 x, y, z [m], yaw, pitch and roll [rad], each of shape (6,). They are the first six
                 joints, base_x to base_roll.
             srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers
-                keep the robot's hulls off one another unless told otherwise.
+                keep the robot's hulls off one another unless their options say otherwise.
             hulls: Fit hulls to its collision geometry, which takes a minute or two for an arm. They are
                 kept in the user's cache (`PDOIK_CACHE`), and taken from there the next time.
             arguments: Of a xacro file.
@@ -950,6 +950,9 @@ class Robot:
         What RobotWarning was issued for.
         """
 class LbfgsOptions:
+    """
+    The C++ struct, which pdoik.Options fills.
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -1007,6 +1010,9 @@ class LbfgsOptions:
     def relative_decrease(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class AugmentedLagrangianOptions:
+    """
+    The C++ struct, which pdoik.Options fills.
+    """
     form: str
     def __init__(self) -> None:
         ...
@@ -1047,6 +1053,9 @@ class AugmentedLagrangianOptions:
     def rho_max(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class LevenbergMarquardtOptions:
+    """
+    The C++ struct, which pdoik.Options fills.
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -1092,6 +1101,9 @@ class LevenbergMarquardtOptions:
     def stall_window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class BalanceOptions:
+    """
+    The C++ struct, which pdoik.Options fills.
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -1125,6 +1137,9 @@ class BalanceOptions:
     def up(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
 class TouchOptions:
+    """
+    The C++ struct, which pdoik.Options fills.
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -1147,7 +1162,7 @@ class TouchOptions:
         ...
 class Options:
     """
-    The C++ options, which pdoik.Options fills.
+    The C++ struct, which pdoik.Options fills.
     """
     augmented_lagrangian: AugmentedLagrangianOptions
     balance: BalanceOptions

@@ -3,7 +3,8 @@
 from typing import Final, Literal
 
 from pdoik import _core
-from pdoik.options import Options, to_core
+from pdoik._option_values import to_core
+from pdoik.options import Options
 
 
 class Lagrangian(_core.Lagrangian):

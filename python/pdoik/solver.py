@@ -4,7 +4,8 @@ from typing import Final
 
 from pdoik import _core
 from pdoik._made import once_made
-from pdoik.options import Options, to_core
+from pdoik._option_values import to_core
+from pdoik.options import Options
 
 
 class Solver(_core.Solver):

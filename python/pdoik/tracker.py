@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 
 from pdoik import _core
 from pdoik._made import once_made
-from pdoik.options import to_core
+from pdoik._option_values import to_core
 from pdoik.solver import Solver
 
 

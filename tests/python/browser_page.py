@@ -21,8 +21,8 @@ CHROMIUM = shutil.which("chromium")
 if CHROMIUM is None:
     pytest.skip("apt-get install chromium", allow_module_level=True)
 
+from pdoik.view.drawing.gizmos import Gizmo  # noqa: E402
 from pdoik.view.examples import Example  # noqa: E402  # these need viser
-from pdoik.view.gizmos import Gizmo  # noqa: E402
 from pdoik.view.model import shipped_model  # noqa: E402
 from pdoik.view.server import start_server  # noqa: E402
 from pdoik.view.viewer import Viewer  # noqa: E402

@@ -9,7 +9,7 @@ import pytest
 
 import pdoik
 from pdoik import _core
-from pdoik.options import to_core
+from pdoik._option_values import to_core
 
 T = pdoik.Robot.builtin("panda").fk(np.zeros(7))
 NESTED = {

@@ -12,7 +12,7 @@ from scipy.ndimage import distance_transform_edt
 
 import pdoik
 from pdoik._distance_fields import zero_level
-from pdoik.view.shape_scene import shape_mesh
+from pdoik.view.drawing.shape_scene import shape_mesh
 from test_shapes import (
     FloatArray,
     arm_of_capsules,

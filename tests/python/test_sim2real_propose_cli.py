@@ -13,7 +13,7 @@ import pdoik
 from command_line import misuse, run
 from pdoik.sim2real import load_model
 from pdoik.view.log import load_log
-from pdoik.view.replay_tab import facts
+from pdoik.view.panels.replay_tab import facts
 from propose_reports import friction, write_report, write_study
 from studies import JOINTS
 

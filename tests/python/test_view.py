@@ -19,11 +19,11 @@ from command_line import misuse, run
 from pdoik._hulls import PlacedHull, PlacedSpheroid, placed_hulls
 from pdoik.solids import binding
 from pdoik.view import Log, Obstacles, Session, Shown, Worker, load_log
+from pdoik.view.drawing.shapes import pose_of, spheroid_instances, turns_of_x, wxyz_of
 from pdoik.view.h1_shapes import FEET, JOINT_NAMES, SOLE_HEIGHT
 from pdoik.view.humanoid import balance_over_feet, floor_height, object_frame, support_polygon
 from pdoik.view.model import deepest_tip, read_robot
 from pdoik.view.player import Player
-from pdoik.view.shapes import pose_of, spheroid_instances, turns_of_x, wxyz_of
 from pdoik.view.status import Meter, margin_text, status_html
 from pdoik.view.visuals import load_visuals
 from samples import with_capsules

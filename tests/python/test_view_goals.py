@@ -144,7 +144,7 @@ def test_with_the_position_first_the_orientation_is_as_near_as_can_be(session: S
 
 def test_all_solutions_of_a_ur10_meet_the_target_and_leave_it_where_it_is() -> None:
     pytest.importorskip("viser", reason="pip install 'pdoik[view]'")
-    from pdoik.view.solutions_panel import solutions_text
+    from pdoik.view.panels.solutions_panel import solutions_text
 
     robot = pdoik.Robot.builtin("ur10")
     session = Session(robot, PATIENT, q0=np.array([0.3, -1.2, 1.4, -1.0, -1.3, 0.2]))

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import pdoik
-from pdoik.view.limit_scene import joint_axis, moved_by
+from pdoik.view.drawing.limit_scene import joint_axis, moved_by
 from pdoik.view.limits import limit_text, nearest_limit
 
 

@@ -17,8 +17,8 @@ from solid_kinds import KINDS, shape
 
 pytest.importorskip("viser", reason="pip install 'pdoik[view]'")
 
+from pdoik.view.drawing.nearest_scene import NearestScene
 from pdoik.view.model import builtin_model
-from pdoik.view.nearest_scene import NearestScene
 from pdoik.view.server import start_server
 from pdoik.view.viewer import Viewer
 

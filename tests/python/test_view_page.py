@@ -10,9 +10,9 @@ import pytest
 import pdoik
 from browser_page import HEIGHT, PATIENCE, WIDTH, Page, browser, page_of
 from pdoik.view import Session
+from pdoik.view.drawing.scene import robot_size
 from pdoik.view.examples import EXAMPLES
 from pdoik.view.reach_cells import ReachCells
-from pdoik.view.scene import robot_size
 
 __all__ = ["browser"]  # a fixture
 

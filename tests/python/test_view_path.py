@@ -16,8 +16,8 @@ from PIL import Image
 import pdoik
 from command_line import misuse, run
 from pdoik.view import Session
+from pdoik.view.drawing.shapes import room_colors
 from pdoik.view.followed_path import station_places
-from pdoik.view.shapes import room_colors
 
 DOWN = np.diag([1.0, -1.0, -1.0, 1.0])
 SEAM = "x,y,z,qx,qy,qz,qw\n0.5,-0.3,0.25,1,0,0,0\n0.5,0.3,0.25,1,0,0,0\n"

@@ -28,10 +28,10 @@ from pdoik.clouds import load_cloud
 from pdoik.view import Session
 from pdoik.view.diagnosis.report import load_report
 from pdoik.view.diagnosis.viewer import DiagnosisViewer
+from pdoik.view.drawing.shapes import pose_of
 from pdoik.view.examples import EXAMPLES
 from pdoik.view.humanoid import balance_over_feet
 from pdoik.view.model import Model, shipped_model
-from pdoik.view.shapes import pose_of
 from pdoik.view.visuals import load_visuals
 
 OBJECTS = {  # x, y [m] and turn about z [rad] on the table

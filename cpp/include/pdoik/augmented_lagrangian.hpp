@@ -48,15 +48,17 @@ struct Penalty {
   }
 };
 
-/// Of the outer loop.
+/// Algorithm IK's outer loop (Eq. AL).
 struct AugmentedLagrangianOptions {
-  PenaltyForm form = PenaltyForm::Smooth;  ///< how constraints enter
-  double rho = 1.0;                        ///< first penalty weight (paper: 1)
-  double rho_growth = 10.0;                ///< alpha (paper: 10)
-  double rho_max = 1e12;                   ///< the weight grows no further
-  double beta = 0.99;  ///< give up when max c >= beta times its last value (paper: 0.99)
-  double constraint_tolerance = 1e-6;  ///< c_tol, in the constraints' own unit
-  int max_outer_iterations = 20;       ///< k_max
+  /// How constraints enter: PenaltyForm::Printed, as in the paper, has a kink at c = 0;
+  /// PenaltyForm::Smooth has none. Otherwise they are equal.
+  PenaltyForm form = PenaltyForm::Smooth;
+  double rho = 1.0;          ///< first penalty weight (paper: 1), in (0, inf)
+  double rho_growth = 10.0;  ///< alpha, by which the weight grows (paper: 10), in [1, inf)
+  double rho_max = 1e12;     ///< the weight grows no further, in [rho, inf]
+  double beta = 0.99;  ///< give up when max c >= beta times its last value (paper: 0.99), in (0, 1]
+  double constraint_tolerance = 1e-6;  ///< c_tol, in the constraints' own unit, in [0, inf]
+  int max_outer_iterations = 20;       ///< k_max, in [1, inf)
 };
 
 /// Why the outer loop ended.

@@ -9,20 +9,21 @@
 
 namespace pdoik {
 
-/// Of L-BFGS.
+/// The limited-memory BFGS minimiser.
 struct LbfgsOptions {
-  int memory = 10;                   ///< pairs (s, y) kept
-  int max_iterations = 200;          ///< per minimisation
-  int max_line_search = 20;          ///< trial steps per iteration
-  double gradient_tolerance = 1e-8;  ///< stop when |g| falls below this
-  double relative_decrease =
-      1e-14;  ///< stop when f falls by less than this times max(|f|, |f_previous|)
-  double first_step =
-      1.0;  ///< length of the first step along the steepest descent, if |g| is larger
-  double max_step =
-      std::numeric_limits<double>::infinity();  ///< longest first trial of an iteration
-  double armijo = 1e-4;                         ///< c1 of the Wolfe conditions
-  double curvature = 0.9;                       ///< c2 of the Wolfe conditions
+  int memory = 10;           ///< pairs (s, y) kept, in [1, 1000]
+  int max_iterations = 200;  ///< per minimisation, in [0, inf)
+  int max_line_search = 20;  ///< trial steps per iteration, in [1, inf)
+  /// Stop when the length of the gradient falls below this, in [0, inf].
+  double gradient_tolerance = 1e-8;
+  /// Stop when f falls by less than this share of it or of what it was before, in [0, inf].
+  double relative_decrease = 1e-14;
+  /// Length of the first step along the steepest descent where the gradient is longer, in (0, inf).
+  double first_step = 1.0;
+  /// Longest first trial of an iteration, in (0, inf].
+  double max_step = std::numeric_limits<double>::infinity();
+  double armijo = 1e-4;    ///< c1 of the Wolfe conditions, in (0, 1)
+  double curvature = 0.9;  ///< c2 of the Wolfe conditions, in (armijo, 1)
 };
 
 /// Why a minimisation ended.

@@ -9,16 +9,17 @@
 
 namespace pdoik {
 
-/// Of Levenberg and Marquardt's method.
+/// The least-squares minimiser, Levenberg and Marquardt's method.
 struct LevenbergMarquardtOptions {
-  int max_iterations = 60;        ///< linearisations per run
-  double first_damping = 0.3;     ///< lambda, relative to the largest diagonal entry of the Hessian
-  double damping_decrease = 0.2;  ///< after a step that went as predicted
-  double damping_increase = 5.0;  ///< after a rejected step
-  double max_damping = 1e6;       ///< beyond it the run has stalled
-  double stall_ratio =
-      0.95;  ///< the run has stalled when `stall_window` steps leave more of f than this
-  int stall_window = 4;  ///< steps, see stall_ratio
+  int max_iterations = 60;  ///< linearisations per run, in [0, inf)
+  /// lambda, relative to the largest diagonal entry of the Hessian, in (0, inf).
+  double first_damping = 0.3;
+  double damping_decrease = 0.2;  ///< factor after a step that went as predicted, in (0, 1]
+  double damping_increase = 5.0;  ///< factor after a rejected step, in (1, inf)
+  double max_damping = 1e6;       ///< beyond it the run has stalled, in (0, inf)
+  /// The run has stalled when `stall_window` steps leave more of f than this, in (0, inf].
+  double stall_ratio = 0.95;
+  int stall_window = 4;  ///< see `stall_ratio`, in [1, inf)
 };
 
 /// Why a minimisation ended.

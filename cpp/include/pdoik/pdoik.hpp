@@ -2,7 +2,8 @@
 
 /// @namespace pdoik
 /// Constrained inverse kinematics among point clouds. Metres, radians and seconds throughout; poses
-/// name both frames, T_base_tip takes tip points to base. This header includes all others.
+/// name both frames, T_base_tip takes tip points to base. This header includes all others but
+/// option_fields.hpp, by which bindings walk the options.
 
 #include "pdoik/abi.hpp"
 #include "pdoik/attachment.hpp"

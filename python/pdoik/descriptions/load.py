@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from .._addresses import Packages
 from .._core import Occupancy, Robot, load_srdf_pairs
-from .._ways import read_urdf
+from .._loaders import read_urdf
 from ..errors import LoadError
 from .root_joint import standing
 from .text import RobotDescription, shipped_name

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -56,9 +56,6 @@ class Obstacles:
         # Whoever is shown them may have chosen another robot since.
         contacts = [as_optional(rule) for rule in self.contacts]
         return pdoik.Scene(self.shapes, cloud=cloud, contacts=contacts)
-
-    def with_leaf(self, leaf: float, radii: bool) -> Obstacles:
-        return replace(self, leaf=leaf, radii=radii)
 
     def thinned(self) -> FloatArray:
         """The points that are kept and their radii, (K, 4) in the cloud's frame [m].

@@ -11,15 +11,15 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
+from .drawing.limit_scene import LimitScene
+from .drawing.nearest_scene import NearestScene
+from .drawing.obstacle_scene import ObstacleScene
+from .drawing.scene import RobotScene
+from .drawing.shape_scene import ShapeScene
 from .examples import Example
 from .goals import GoalKind
-from .limit_scene import LimitScene
 from .model import Model
-from .nearest_scene import NearestScene
-from .obstacle_scene import ObstacleScene
-from .scene import RobotScene
 from .session import Session
-from .shape_scene import ShapeScene
 from .worker import Worker
 
 FloatArray = npt.NDArray[np.float64]

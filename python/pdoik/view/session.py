@@ -14,6 +14,7 @@ import numpy.typing as npt
 import pdoik
 from pdoik.solids import Binding, binding, clearances_of, nearest_obstacle
 
+from .drawing.shapes import moved_shape
 from .followed_path import FollowedPath, follow_path
 from .follower import Follower
 from .goals import (
@@ -31,7 +32,6 @@ from .goals import (
 )
 from .humanoid import first_posture
 from .obstacles import Ball, Obstacles
-from .shapes import moved_shape
 from .shown import AllSolutions, Origin, Shown
 
 FloatArray = npt.NDArray[np.float64]

@@ -21,32 +21,32 @@ from pdoik.clouds import load_cloud
 from pdoik.errors import PdoikError
 from pdoik.scenes import read_scene_file
 
-from .balance_scene import BalanceScene
 from .camera import FittedCamera, View
+from .drawing.balance_scene import BalanceScene
+from .drawing.gizmos import Gizmo
+from .drawing.limit_scene import LimitScene
+from .drawing.nearest_scene import NearestScene
+from .drawing.obstacle_scene import ObstacleScene
+from .drawing.path_scene import PathScene
+from .drawing.scene import RobotScene, camera_of, robot_size
+from .drawing.shape_scene import ShapeScene
+from .drawing.target_gizmos import TargetGizmos
 from .examples import Example
-from .examples_menu import ExamplesMenu
-from .files_tab import FilesTab
-from .gizmos import Gizmo
 from .goals import GoalKind
 from .humanoid import floor_height
-from .joints_tab import JointsTab
-from .limit_scene import LimitScene
 from .log import load_log
 from .model import Model, builtin_model, deepest_tip, read_robot, urdf_model
 from .narrow import stack_when_narrow
-from .nearest_scene import NearestScene
-from .obstacle_scene import ObstacleScene
 from .pages import PagesLine
-from .path_scene import PathScene
+from .panels.examples_menu import ExamplesMenu
+from .panels.files_tab import FilesTab
+from .panels.joints_tab import JointsTab
+from .panels.reach_tab import ReachTab
+from .panels.replay_tab import ReplayTab
+from .panels.solve_tab import SolveTab
 from .reach import load_map
-from .reach_tab import ReachTab
-from .replay_tab import ReplayTab
-from .scene import RobotScene, camera_of, robot_size
 from .session import Session
-from .shape_scene import ShapeScene
-from .solve_tab import SolveTab
 from .status import Status
-from .target_gizmos import TargetGizmos
 from .worker import Worker
 
 FloatArray = npt.NDArray[np.float64]

@@ -4,12 +4,15 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "arms.hpp"
 #include "pdoik/cloud.hpp"
 #include "pdoik/lagrangian.hpp"
+#include "pdoik/option_fields.hpp"
 #include "pdoik/tracker.hpp"
 
 namespace pdoik {
@@ -67,6 +70,37 @@ TEST(SolverMisuse, options_out_of_range_are_refused_by_name) {
        {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(kNan, 0.0, 1.0)}) {
     refused("goal_axis", [&](Options& o) { o.goal_axis = bad; });
   }
+}
+
+/// Calls spoil(name, change) for each number of a struct of options and of the structs in it; what
+/// `change` does to Options is NaN there, or -1 of a whole number.
+template <class Struct, class Get, class Spoil>
+void for_each_number(const std::string& prefix, Get get, Spoil&& spoil) {
+  const auto visit = [&](const auto& field) {
+    const auto at = [get, member = field.member](Options& o) -> auto& { return get(o).*member; };
+    using Value = std::remove_cvref_t<decltype(at(std::declval<Options&>()))>;
+    const std::string name = prefix + field.name;
+    if constexpr (std::tuple_size_v<decltype(detail::option_fields<Value>)> > 0)
+      for_each_number<Value>(name + ".", at, spoil);
+    else if constexpr (std::is_same_v<Value, double>)
+      spoil(name, [at](Options& o) { at(o) = kNan; });
+    else if constexpr (std::is_same_v<Value, int>)
+      spoil(name, [at](Options& o) { at(o) = -1; });
+  };
+  std::apply([&](const auto&... field) { (visit(field), ...); }, detail::option_fields<Struct>);
+}
+
+TEST(SolverMisuse, every_number_among_the_options_is_refused_by_its_name) {
+  const Robot robot = Robot::builtin("panda");
+  int count = 0;
+  const auto refused = [&](const std::string& name, auto&& change) {
+    Options options;
+    change(options);
+    expect_invalid([&] { Solver(robot, options); }, {name + " is ", ", expected "});
+    ++count;
+  };
+  for_each_number<Options>("", [](Options& o) -> Options& { return o; }, refused);
+  EXPECT_GT(count, 30);
 }
 
 TEST(SolverMisuse, more_rows_than_places_can_be_counted_for_are_refused_before_any_is_read) {

@@ -22,7 +22,7 @@ from pdoik.errors import PdoikError
 from pdoik.sim2real.model.model import Model
 
 from ..body import segment_mesh
-from ..hull_bodies import hull_bodies
+from ..drawing.hull_bodies import hull_bodies
 from ..model import read_robot
 from ..visuals import load_visuals
 

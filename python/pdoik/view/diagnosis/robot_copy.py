@@ -10,7 +10,7 @@ import numpy.typing as npt
 import trimesh
 import viser
 
-from ..shapes import turns_of_x, wxyz_of
+from ..drawing.shapes import turns_of_x, wxyz_of
 from .colors import NOT_JUDGED, Rgb
 from .drawn_robot import DrawnRobot
 

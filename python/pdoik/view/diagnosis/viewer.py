@@ -23,11 +23,11 @@ from pdoik.sim2real.evidence.replays import replay_of
 from pdoik.sim2real.report.words import VERDICTS, number
 
 from ..camera import FittedCamera
+from ..drawing.shapes import pose_of
 from ..message import Message
 from ..narrow import stack_when_narrow
 from ..pages import PagesLine
 from ..player import Player
-from ..shapes import pose_of
 from .colors import RECORDED, color_of, legend_html
 from .drawn_robot import DrawnRobot, drawn_robot
 from .findings_tab import FindingsTab

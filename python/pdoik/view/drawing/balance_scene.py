@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from .humanoid import support_polygon
-from .shown import Shown
+from ..humanoid import support_polygon
+from ..shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,9 +1,9 @@
-"""The ways to a robot that `Robot` itself offers; what they do is that of `pdoik.descriptions`.
+"""Loaders: the static methods of `Robot`, `Cloud` and `Shape` that read a file, an image or a map.
 
-And those to a `Cloud` from a depth image, and to a `Shape` from a height field and an OctoMap.
-
-That is imported when one is taken, for a program that takes none starts sooner without it.
-Their types are written with their modules, as the stub of the compiled module has them.
+Robots come from URDF, xacro, MJCF and by name (`pdoik.descriptions` reads them), clouds from depth
+images, shapes from height fields and OctoMaps. A loader imports what reads its kind of file when it
+is called, so a program that calls none starts sooner. Types are written with their modules, as the
+stub of the compiled module has them.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
     from .descriptions.text import Kind, RobotDescription
 
-read_urdf = Robot.from_urdf  # the compiled one, of text alone: below another is put in front of it
+read_urdf = Robot.from_urdf  # the compiled one, of text alone, which `from_urdf` below replaces
 
-_SAYS: dict[Kind, str] = {
+_NAMED: dict[Kind, str] = {
     "urdf": "a URDF, which Robot.from_urdf reads",
     "xacro": "a xacro file, which Robot.from_urdf and Robot.from_xacro read",
     "mjcf": "an MJCF, which Robot.from_mjcf reads",
@@ -60,7 +60,7 @@ def from_urdf(
             x, y, z [m], yaw, pitch and roll [rad], each of shape (6,). They are the first six
             joints, base_x to base_roll.
         srdf: The robot's SRDF, as a path or as text: its pairs become `ignored_pairs`, and solvers
-            keep the robot's hulls off one another unless told otherwise.
+            keep the robot's hulls off one another unless their options say otherwise.
         hulls: Fit hulls to its collision geometry, which takes a minute or two for an arm. They are
             kept in the user's cache (`PDOIK_CACHE`), and taken from there the next time.
         arguments: Of a xacro file.
@@ -83,7 +83,7 @@ def from_urdf(
         given = RobotDescription.of_text(text, packages=packages)
         _check(given, "the text", "urdf")
     else:
-        given = _file(path_or_xml, arguments, packages, "urdf", "xacro")
+        given = _given_file(path_or_xml, arguments, packages, "urdf", "xacro")
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
 
@@ -118,7 +118,7 @@ def from_xacro(
     """
     from .descriptions.load import load_given
 
-    given = _file(path, None, packages, "urdf", "xacro")
+    given = _given_file(path, None, packages, "urdf", "xacro")
     given = replace(given, kind="xacro", arguments=arguments or {})
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
@@ -153,7 +153,7 @@ def from_mjcf(
     """
     from .descriptions.load import load_given
 
-    given = _file(path, None, (), "mjcf")
+    given = _given_file(path, None, (), "mjcf")
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
 
@@ -169,7 +169,7 @@ def from_description(
     arguments: collections.abc.Mapping[str, str] | None = None,
     packages: pdoik._addresses.Packages = (),
 ) -> Robot:
-    """A shipped robot, or a description that another package brings, by name.
+    """Read a shipped robot, or a description that another package brings, by its name.
 
     Args:
         name: Such as "panda" (shipped); "ur5", "xarm7" (package example-robot-data); "ur10e",
@@ -180,8 +180,8 @@ def from_description(
         T_world_base: As there.
         floating_base: As there.
         srdf: As there.
-        hulls: As there, but fitted unless told otherwise. Shipped robots have theirs.
-        arguments: Of a xacro file, beside those that the description has.
+        hulls: As there, but fitted by default. Shipped robots have theirs.
+        arguments: Of a xacro file, in addition to those that the description has.
         packages: As there.
 
     Raises:
@@ -203,12 +203,17 @@ def from_description(
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
 
 
-def _file(
+def _given_file(
     path: str | os.PathLike[str],
     arguments: collections.abc.Mapping[str, str] | None,
     packages: pdoik._addresses.Packages,
     *kinds: Kind,
 ) -> RobotDescription:
+    """The description in a file of one of these kinds.
+
+    Raises:
+        LoadError: There is no such file, or it is of another kind.
+    """
     from ._addresses import at_home
     from .descriptions.text import RobotDescription
 
@@ -225,8 +230,9 @@ def _file(
 
 
 def _check(given: RobotDescription, name: str, *kinds: Kind) -> None:
+    """Refuse a description of another kind, and say which loader reads it."""
     if given.kind not in kinds:
-        raise LoadError(f"{name} is {_SAYS[given.kind]}")
+        raise LoadError(f"{name} is {_NAMED[given.kind]}")
 
 
 def from_depth(
@@ -240,7 +246,7 @@ def from_depth(
     radii: bool = False,
     solid: bool = False,
 ) -> Cloud:
-    """Take in what a depth camera has seen.
+    """Make a cloud of what a depth camera has seen.
 
     Args:
         image: Depths along the optical axis, shape (H, W). Floats are metres and whole numbers
@@ -279,7 +285,7 @@ def height_field(
     *,
     bottom: float | None = None,
 ) -> Shape:
-    """Ground by its heights over a grid, as a closed mesh: solid down to its bottom.
+    """Make ground of its heights over a grid: a closed mesh, solid down to its bottom.
 
     Args:
         name: What results call it.
@@ -308,20 +314,20 @@ def octomap(
     unknown: bool = False,
     region: numpy.typing.ArrayLike | None = None,
 ) -> Shape:
-    """What an OctoMap takes, put together to few boxes.
+    """Read an OctoMap: its occupied cells, joined to few boxes.
 
     Args:
         name: What results call it.
-        path: A file that OctoMap wrote: .bt, or .ot, whose leaves are taken from even odds on.
+        path: A file that OctoMap wrote: .bt, or .ot, whose leaves are occupied from even odds on.
         T_base_shape: The map's frame in the base frame, shape (4, 4) [m]; None for the base frame
             itself.
-        unknown: Whether what the map does not know is taken, too: in the region, or without one in
-            the smallest box that holds all it knows. Otherwise it is free.
+        unknown: Whether cells that the map does not know are occupied, too: in the region, or
+            without one in the smallest box that holds all it knows. Otherwise they are free.
         region: The lowest and the highest x, y, z of what counts, in the map's frame, shape
             (2, 3) [m]. None for all of it.
 
     Raises:
-        LoadError: The file cannot be read, or nothing in it is taken.
+        LoadError: The file cannot be read, or nothing in it is occupied.
         ValueError: Names the shape and what is wrong with it.
     """
     from ._addresses import at_home
@@ -331,11 +337,11 @@ def octomap(
     return Shape.boxes(name, low, high, T_base_shape)
 
 
-for way in (from_urdf, from_xacro, from_mjcf, from_description):
-    way.__doc__ = inspect.cleandoc(way.__doc__ or "")  # as it stands in the stub
-    setattr(Robot, way.__name__, staticmethod(way))
-from_depth.__doc__ = inspect.cleandoc(from_depth.__doc__ or "")
-setattr(Cloud, from_depth.__name__, staticmethod(from_depth))
-for shaped in (height_field, octomap):
-    shaped.__doc__ = inspect.cleandoc(shaped.__doc__ or "")
-    setattr(Shape, shaped.__name__, staticmethod(shaped))
+for owner, loaders in (
+    (Robot, (from_urdf, from_xacro, from_mjcf, from_description)),
+    (Cloud, (from_depth,)),
+    (Shape, (height_field, octomap)),
+):
+    for loader in loaders:
+        loader.__doc__ = inspect.cleandoc(loader.__doc__ or "")  # as it stands in the stub
+        setattr(owner, loader.__name__, staticmethod(loader))

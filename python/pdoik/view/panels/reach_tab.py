@@ -9,12 +9,12 @@ import viser
 
 import pdoik
 
+from ..reach import ReachRequest, box_grid, default_box
+from ..reach_run import ReachRun
 from .map_panel import MapPanel
-from .reach import ReachRequest, box_grid, default_box
-from .reach_run import ReachRun
 
 if TYPE_CHECKING:
-    from .page import Page
+    from ..page import Page
 
 _STEPS = 20  # of the default grid along the box's longest edge
 _ORIENTATIONS = 30

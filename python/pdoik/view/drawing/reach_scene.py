@@ -11,7 +11,7 @@ import viser
 from PIL import Image
 from trimesh.visual.material import PBRMaterial
 
-from .reach_cells import Cut, ReachCells, Squares, share_colors
+from ..reach_cells import Cut, ReachCells, Squares, share_colors
 
 _SHADES = (1.0, 0.88, 0.76)  # of faces along the cut and of the other two kinds
 _COLORS = 256

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
+from ..goals import TipGoal
+from ..shown import Shown
 from .gizmos import Gizmo
-from .goals import TipGoal
-from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -11,9 +11,9 @@ import viser
 from pdoik._hulls import placed_hulls
 from pdoik.solids import binding
 
+from ..shown import Shown
 from .gizmos import Dragged, Gizmo
 from .shapes import gap_colors, wxyz_of
-from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

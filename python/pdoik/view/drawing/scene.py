@@ -13,12 +13,12 @@ import pdoik
 from pdoik._hulls import placed_hulls, way_to
 from pdoik.solids import binding
 
+from ..humanoid import first_posture
+from ..model import Model
+from ..shown import Shown
 from .hull_scene import HullScene
-from .humanoid import first_posture
 from .instances import add_instances
-from .model import Model
 from .shapes import segments, turns_of_x, wxyz_of
-from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -11,8 +11,8 @@ import viser
 
 import pdoik
 
-from .limits import limit_text, nearest_limit
-from .message import Message
+from ..limits import limit_text, nearest_limit
+from ..message import Message
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from .followed_path import FollowedPath
+from ..followed_path import FollowedPath
 from .shapes import room_colors
 
 _ASKED, _STOP, _MOVE = (150, 156, 166), (211, 21, 27), (123, 94, 167)

@@ -11,9 +11,9 @@ import viser
 
 import pdoik
 
-from .limits import NearestLimit, amount_text, nearest_limit
+from ..limits import NearestLimit, amount_text, nearest_limit
+from ..shown import Shown
 from .shapes import turns_of_x
-from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

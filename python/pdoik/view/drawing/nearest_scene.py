@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from .shown import Shown
+from ..shown import Shown
 
 _CLEAR, _TOUCHING = (43, 47, 54), (211, 21, 27)
 _BALL = 0.008  # radius of what is at both ends [m]

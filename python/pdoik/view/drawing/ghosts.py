@@ -9,8 +9,8 @@ import viser
 
 from pdoik._hulls import skeleton
 
+from ..shown import AllSolutions
 from .shapes import segments
-from .shown import AllSolutions
 
 _COLOR = (120, 140, 190)
 _MOST = 64  # drawn, the nearest ones

@@ -10,7 +10,7 @@ import trimesh
 import pdoik
 from pdoik._hulls import wide_hulls
 
-from .body import segment_mesh
+from ..body import segment_mesh
 
 
 def hull_bodies(robot: pdoik.Robot) -> dict[str, Any]:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from .examples import EXAMPLES, Example
+from ..examples import EXAMPLES, Example
 
 if TYPE_CHECKING:
-    from .page import Page
+    from ..page import Page
 
 OWN = "your own"
 _MOUSE = (

@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 import viser
 
-from .goals import GOALS, WITH_CONE, GoalKind
-from .session import Session
+from ..goals import GOALS, WITH_CONE, GoalKind
+from ..session import Session
 
 _WIDEST = 90.0  # of a cone [deg]
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import viser
 
-from .ghosts import Ghosts
-from .message import Message
-from .shown import AllSolutions, Shown
+from ..drawing.ghosts import Ghosts
+from ..message import Message
+from ..shown import AllSolutions, Shown
 
 if TYPE_CHECKING:
-    from .page import Page
+    from ..page import Page
 
 _LIMIT, _MOST = 32, 1000
 _BACK, _ON = "previous", "next"

@@ -10,8 +10,8 @@ import numpy.typing as npt
 import viser
 from viser import transforms
 
-from .goals import TipGoal
-from .session import Session
+from ..goals import TipGoal
+from ..session import Session
 
 FloatArray = npt.NDArray[np.float64]
 

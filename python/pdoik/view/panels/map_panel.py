@@ -11,11 +11,11 @@ import viser
 
 import pdoik
 
-from .reach_cells import Cut, ReachCells, share_colors
-from .reach_scene import ReachScene
+from ..drawing.reach_scene import ReachScene
+from ..reach_cells import Cut, ReachCells, share_colors
 
 if TYPE_CHECKING:
-    from .page import Page
+    from ..page import Page
 
 AXES = ("x", "y", "z")
 WHOLE = "nothing"

@@ -11,8 +11,8 @@ import viser
 import pdoik
 from pdoik.solids import binding, shape_mesh
 
+from ..shown import Shown
 from .shapes import wxyz_of
-from .shown import Shown
 
 FloatArray = npt.NDArray[np.float64]
 

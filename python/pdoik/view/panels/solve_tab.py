@@ -9,17 +9,17 @@ import viser
 import pdoik
 from pdoik._hulls import wide_hulls
 
+from ..goals import GoalKind
+from ..humanoid import balance_over_feet, can_balance
 from .alternatives_panel import AlternativesPanel
-from .goals import GoalKind
 from .goals_panel import GoalsPanel
-from .humanoid import balance_over_feet, can_balance
 from .solutions_panel import SolutionsPanel
 from .targets_panel import TargetsPanel
 
 if TYPE_CHECKING:
-    from .page import Page
-    from .session import Session
-from .shown import Shown
+    from ..page import Page
+    from ..session import Session
+from ..shown import Shown
 
 AXES = ("x", "y", "z")
 METHODS = ("default", "paper")

@@ -9,7 +9,7 @@ import viser
 import pdoik
 
 if TYPE_CHECKING:
-    from .page import Page
+    from ..page import Page
 
 EVERY_LEAF, SEVERAL = "all end links", "several"
 

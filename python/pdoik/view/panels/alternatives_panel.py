@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
-from .message import Message
+from ..message import Message
 
 if TYPE_CHECKING:
-    from .page import Page
-    from .shown import Shown
+    from ..page import Page
+    from ..shown import Shown
 
 _ADD, _DROP = "add", "remove last"
 

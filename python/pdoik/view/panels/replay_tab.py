@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import viser
 
-from .humanoid import object_frame
-from .log import Log
-from .player import Player
-from .shapes import wxyz_of
+from ..drawing.shapes import wxyz_of
+from ..humanoid import object_frame
+from ..log import Log
+from ..player import Player
 
 if TYPE_CHECKING:
-    from .page import Page
-    from .session import Session
+    from ..page import Page
+    from ..session import Session
 
 _SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 
