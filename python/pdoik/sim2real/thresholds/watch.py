@@ -44,9 +44,8 @@ class WatchThresholds(Group):
     revise: float = threshold(
         120.0, "time after an onset within which its cause may be learnt anew", "s"
     )
-    level: float = threshold(
-        10.0,
-        "BIC by which another cause is worse and still fits as well",
-        source="Kass and Raftery, JASA 90, 1995",
+    gain: float = threshold(
+        0.2,
+        "standard deviation of a change of a torque's gain",
+        source="current sensors and torque constants, heated or demagnetised: 5 to 30 %",
     )
-    beside: float = threshold(30.0, "BIC that a second cause must gain beside the first")

@@ -55,7 +55,8 @@ class Watch:
             ValueError: the model has no robot, or knows nothing of the healthy machine, or its
                 base floats.
         """
-        limits = (Thresholds() if thresholds is None else thresholds).watch
+        every = Thresholds() if thresholds is None else thresholds
+        limits = every.watch
         model = model.of_fixed_base
         if model.robot is None:
             raise ValueError("the study had no robot description, so no torque can be watched")
@@ -70,7 +71,7 @@ class Watch:
         self._limits = limits
         self._residuals = Residuals(model, model.healthy.position_noise, limits.slides)
         self._charts = Charts(model.healthy, limits)
-        self._causes = CauseSearch(self._residuals, self._charts, limits)
+        self._causes = CauseSearch(self._residuals, self._charts, every)
         self._windows = Windows(len(model.joints), self._residuals.cutoff)
         self._source = ""
         self._last = -np.inf
