@@ -19,6 +19,11 @@ class WatchThresholds(Group):
         "share of its friction by which a healthy joint may differ from the model",
         source="10 to 30 % from day to day, Simoni et al., IROS 2015, and the README",
     )
+    friction_drift: float = threshold(
+        0.03,
+        "the same share within a day, of a minute: friction is learnt while it is watched",
+        source="drives that warm up: 10 to 30 % in an hour",
+    )
     told_within: float = threshold(
         1.0, "time after which a change of the smallest size that is looked for is reported", "s"
     )

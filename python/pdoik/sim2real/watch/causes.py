@@ -38,7 +38,6 @@ from .windows import NAME
 _ALWAYS = (-np.inf, np.inf)
 _SMEARED = 0.5  # periods of the cut-off over which the filter smears an onset
 _NEAR = 1.0  # of the CUSUM's onset, within which a better one is looked for [s]
-_AT_MOST = 3.0  # standard deviations that another day's friction is off at most
 _STILL_THERE = 0.1  # share of a change by which an effect that has gone may seem to overshoot
 _MOVES = 12  # at most, from one set of causes to another
 
@@ -168,7 +167,7 @@ class _Weighing:
         causes: tuple[Hypothesis, ...] = ()
         for _ in range(_MOVES):
             moves = [(0.0, causes)]
-            others = self._others(causes)[: most - len(causes)]
+            others = self._others(causes) if len(causes) < most else []
             moves += [(o.log_odds - believed.worth, (*causes, o.hypothesis)) for o in others]
             for cause in causes:
                 rest, own = _without(causes, cause), self.log_odds(cause, causes)
@@ -258,15 +257,14 @@ class CauseSearch:
         )
 
     def _today(self, rows: RowsSince) -> Iterator[Hypothesis]:
-        """Friction of each joint that may be another one today, by what days usually change."""
-        share = self._limits.watch.friction_change / _AT_MOST
-        for j, friction in enumerate(self._charts.healthy.friction):
-            term = term_of(rows.balances, CATALOGUE[CoulombFriction.id], Place(joints=(j,)), (0.0,))
-            if term is not None and friction > 0.0:
-                yield rows.weighed(ordinary(term, share * friction))
+        """Friction of each joint is not quite what is known of it today."""
+        for part in self._residuals.today:
+            term = term_of(rows.balances, CATALOGUE[part.effect], part.place, part.shape)
+            if term is not None:
+                yield rows.weighed(ordinary(term, np.sqrt(part.covariance[0])))
 
     def _changed(self, rows: RowsSince) -> Iterator[Hypothesis]:
-        """What may come over a machine: what may begin at a time, a load, a push."""
+        """What may begin at a time, a load, a push: as likely of every kind, loads more often."""
         motions = rows.balances.motions
         for effect in CATALOGUE.values():
             for place in _places(effect, motions[0]):
@@ -274,7 +272,9 @@ class CauseSearch:
                 for shape in shapes:
                     term = term_of(rows.balances, effect, place, shape)
                     if term is not None:
-                        made = peculiar(rows.balances, term, among=float(len(shapes)))
+                        odds = effect.odds if effect.id == Payload.id else Effect.odds
+                        odds = np.log(odds / (1.0 - odds)) - np.log(len(shapes))
+                        made = replace(peculiar(rows.balances, term), log_odds=float(odds))
                         if effect.id == TorqueGain.id:
                             made = replace(made, precision=np.array([self._limits.watch.gain**-2]))
                         yield rows.weighed(_Changed.of(made, self._before(term)))
