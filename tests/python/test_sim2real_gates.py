@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from pdoik.sim2real.findings import Estimate
 from pdoik.sim2real.motion.balances import columns_of
 from pdoik.sim2real.motion.motion import Motion
 from pdoik.sim2real.motion.place import Gate, Place
+from pdoik.sim2real.regression.naming import _without_idle_gate
 from pdoik.sim2real.simulation import Simulator
 from pdoik.sim2real.simulation.parts import Part
 from sim2real_robots import ABOUT_PIVOT, TURNTABLE, commands
@@ -139,3 +141,19 @@ def test_friction_that_always_acts_gets_no_gate(tmp_path: Path) -> None:
     found = diagnose(tmp_path / "study" / "study.yaml").findings
     assert found
     assert all(each.window is None and each.positions is None for each in found)
+
+
+def test_a_gate_that_is_open_in_every_recording_is_none() -> None:
+    recording = SimpleNamespace(
+        time=np.linspace(0.0, 9.0, 10), q=np.linspace(-1.0, 1.0, 10)[:, None]
+    )
+    study = SimpleNamespace(fit=[recording])
+    for gate, idle in (
+        (Gate(of="time", low=-2.3), True),
+        (Gate(of="position", low=-1.02, high=1.02), True),
+        (Gate(of="position", low=-1.02, high=0.9), False),
+        (Gate(of="time", low=0.5), False),
+    ):
+        place = Place(joints=(0,), gate=gate)
+        kept = _without_idle_gate(place, study)  # type: ignore[arg-type]
+        assert (kept.gate is None) == idle

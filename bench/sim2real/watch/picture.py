@@ -33,8 +33,9 @@ def main(model_file: Path, out: Path) -> None:
     residuals = Residuals(model, model.healthy.position_noise, limits.slides)
     windows = Windows(len(JOINTS), residuals.cutoff)
     cut = windows.add(Rows(time=log.time, q=log.q, tau=log.tau))
-    rows = joined(residuals.rows(each) for each in cut)
     charts = Charts(model.healthy, limits)
+    residuals.today = charts.today.changes
+    rows = joined(residuals.rows(each) for each in cut)
     used, crossing, path = charts.update(rows)
     figure = Figure(figsize=(9.0, 5.0), layout="constrained", dpi=110)
     upper, lower = figure.subplots(2, 1, sharex=True)
@@ -42,8 +43,10 @@ def main(model_file: Path, out: Path) -> None:
     shown = np.where(moving, rows.residual[:, JOINT], np.nan)
     upper.plot(rows.time, rows.residual[:, JOINT], color="0.8", lw=0.8, label="at rest or turning")
     upper.plot(rows.time, shown, color="#1f5fa8", lw=1.0, label="counted")
-    allowed = limits.friction_change * model.healthy.friction[JOINT]
-    upper.axhspan(-allowed, allowed, color="#2a9d5c", alpha=0.2, lw=0, label="allowed")
+    allowed = rows.allowed[:, JOINT]
+    upper.fill_between(
+        rows.time, -allowed, allowed, color="#2a9d5c", alpha=0.2, lw=0, label="allowed"
+    )
     upper.set_ylabel(f"residual of {JOINTS[JOINT]} [N m]")
     for k, name in enumerate(CHARTS):
         lower.plot(rows.time[:used], path[:, JOINT, k].max(axis=1), lw=1.4, label=name)

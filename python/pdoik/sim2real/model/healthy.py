@@ -26,6 +26,8 @@ class Healthy:
     seconds: FloatArray  # (n,) of motion [s]
     variance: FloatArray  # (n, 4), see VARIANCE [(N m)^2 and per unit of each]
     friction: FloatArray  # (n,) root mean square of the friction that is known [N m]
+    friction_off: FloatArray  # (n, 2) Coulomb [N m] and viscous [N m s/rad], less the model's
+    speed: FloatArray  # (n,) root mean square of moving joints [rad/s]
     scale: FloatArray  # (n, 3) root mean square of each chart's column
     power: FloatArray  # (n, 3) mean square of the column over scale and noise [1/(N m)^2]
     density: FloatArray  # (n, 3) of the residual's noise along the column, at frequency zero [s]
@@ -45,7 +47,8 @@ class Healthy:
         """
         arrays = {}
         for name, tail in _SHAPES.items():
-            array = np.array(content[name], dtype=np.float64)
+            given = content.get(name, _UNKNOWN[name] * n) if name in _UNKNOWN else content[name]
+            array = np.array(given, dtype=np.float64)
             if array.shape != (n, *tail):
                 raise ValueError(f"{name}: expected shape {(n, *tail)}, got {array.shape}")
             arrays[name] = array
@@ -58,8 +61,13 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "seconds": (),
     "variance": (VARIANCE,),
     "friction": (),
+    "friction_off": (2,),
+    "speed": (),
     "scale": (CHARTS,),
     "power": (CHARTS,),
     "density": (CHARTS,),
     "bias": (CHARTS,),
 }
+
+_UNKNOWN: dict[str, list[Any]] = {"friction_off": [[0.0, 0.0]], "speed": [1.0]}
+"""Per joint, in models that were written before these were kept."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,8 +13,9 @@ from pdoik.recordings import FloatArray
 from ..effects import CATALOGUE, Effect
 from ..findings import ERRORS, Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.motion import Motion
-from ..motion.place import Gate, Key
+from ..motion.place import Gate, Key, Place
 from ..motion.prepare import Prepared
+from ..study.study import Study
 from .fit import Term
 
 Found = tuple[Finding, tuple[Term, ...]]
@@ -28,7 +30,8 @@ def finding_of(
     support: Support | None = None,
 ) -> Finding:
     """The finding a term stands for."""
-    place, study = term.place, prepared.study
+    study = prepared.study
+    place = _without_idle_gate(term.place, study)
     effect = CATALOGUE[term.effect]
     joints = tuple(study.joints[j] for j in place.joints)
     links = link_of(prepared, term)
@@ -140,6 +143,17 @@ def gate_in_words(gate: Gate | None, start: str, begins: tuple[str, float] | Non
     else:
         words = f"from {gate.low:.3g} to {gate.high:.3g} {unit}"
     return f"{start}{words}{'.' if start.startswith(' ') else ''}"
+
+
+def _without_idle_gate(place: Place, study: Study) -> Place:
+    """A place; without its gate where that is open in all fitted recordings throughout."""
+    gate = place.gate
+    if gate is None or gate.of == "clock":
+        return place
+    j = place.joints[0]
+    axes = [r.time - r.time[0] if gate.of == "time" else r.q[:, j] for r in study.fit]
+    always = all((gate.weight(np.array([x.min(), x.max()])) >= 1.0).all() for x in axes)
+    return replace(place, gate=None) if always else place
 
 
 def ends_of(gate: Gate, values: list[FloatArray]) -> tuple[float, float]:

@@ -19,6 +19,11 @@ class WatchThresholds(Group):
         "share of its friction by which a healthy joint may differ from the model",
         source="10 to 30 % from day to day, Simoni et al., IROS 2015, and the README",
     )
+    friction_drift: float = threshold(
+        0.03,
+        "the same share within a day, of a minute: friction is learnt while it is watched",
+        source="drives that warm up: 10 to 30 % in an hour",
+    )
     told_within: float = threshold(
         1.0, "time after which a change of the smallest size that is looked for is reported", "s"
     )
@@ -44,9 +49,8 @@ class WatchThresholds(Group):
     revise: float = threshold(
         120.0, "time after an onset within which its cause may be learnt anew", "s"
     )
-    level: float = threshold(
-        10.0,
-        "BIC by which another cause is worse and still fits as well",
-        source="Kass and Raftery, JASA 90, 1995",
+    gain: float = threshold(
+        0.2,
+        "standard deviation of a change of a torque's gain",
+        source="current sensors and torque constants, heated or demagnetised: 5 to 30 %",
     )
-    beside: float = threshold(30.0, "BIC that a second cause must gain beside the first")

@@ -1,8 +1,9 @@
-"""What is told of a machine that has changed."""
+"""What is reported of a machine that has changed."""
 
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass, field
 
 _SHOWN = 4  # figures of a cause on the terminal
@@ -25,7 +26,7 @@ class Cause:
     joints: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
     change: dict[str, Figure] = field(default_factory=dict)  # more than the model has
-    worse: float = 0.0  # BIC by which it explains less well than the likeliest cause
+    worse: float = 0.0  # twice the log odds of the likeliest cause against it
 
     @property
     def where(self) -> str:
@@ -50,10 +51,16 @@ class Alarm:
     stage: str  # "noticed" or "learnt"
     joint: str  # whose chart crossed
     onset: float  # when it began, on the log's clock [s]
-    told: float  # time of the last row that this rests on [s]
+    told: float  # when it is reported: time of the last row that it rests on [s]
     source: str  # the log
     causes: tuple[Cause, ...]  # that act together; () where none fits, or it is over
     instead: tuple[Cause, ...] = ()  # what fits as well as the first of these
+
+    @property
+    def confidence(self) -> float:
+        """Probability of the first cause among all that fit; 0 where none does."""
+        odds = [math.exp(-0.5 * each.worse) for each in self.instead]
+        return 1.0 / (1.0 + sum(odds)) if self.causes else 0.0
 
     def to_json(self) -> str:
         """One line."""
@@ -67,8 +74,9 @@ class Alarm:
         other = ", ".join(
             f"{each.effect.replace('_', ' ')} at {each.where}" for each in self.instead
         )
+        other = f"  ({self.confidence:.0%}, or {other})" if other else ""
         where = f"{self.source}: " if self.source else ""
         return (
             f"{where}{self.told:.2f} s  alarm {self.number} {self.stage}  {self.joint} since"
-            f" {self.onset:.2f} s  {what}" + (f"  (or {other})" if other else "")
+            f" {self.onset:.2f} s  {what}{other}"
         )

@@ -16,7 +16,7 @@ from ..model.model import Model
 from ..motion.cutoff import noise_of
 from ..motion.motion import thinned
 from ..thresholds.watch import WatchThresholds
-from .residuals import ResidualRows, Residuals, joined
+from .residuals import ResidualRows, Residuals, friction_columns, joined
 from .windows import Rows, Windows
 
 _BLOCK = 10.0  # over which a column's coefficient is looked at [s]
@@ -51,9 +51,9 @@ def calibrated(
     names = tuple(each.name for each in recordings)
     if not runs:
         raise ValueError(f"{', '.join(names)}: too short to tell the residual's floor from")
-    friction = [residuals.friction(residuals.motion(thinned(each))) for each in recordings]
-    healthy = _healthy(runs, limits, noise, names, held_out)
-    healthy = replace(healthy, friction=np.array([_rms(f) for f in np.concatenate(friction).T]))
+    rubbing = [residuals.friction(residuals.motion(thinned(each))) for each in recordings]
+    friction = np.array([_rms(f) for f in np.concatenate(rubbing).T])
+    healthy = _healthy(runs, limits, noise, names, held_out, friction)
     if not (healthy.seconds >= limits.least_motion).any():
         longest = float(healthy.seconds.max())
         raise ValueError(
@@ -96,8 +96,15 @@ def _healthy(
     noise: FloatArray,
     names: tuple[str, ...],
     held_out: bool,
+    friction: FloatArray,
 ) -> Healthy:
     n = len(noise)
+    off = np.stack([_friction_off(run, friction) for run in runs])  # (R, n, 2)
+    runs = [
+        replace(run, residual=run.residual - np.einsum("tjk,jk->tj", friction_columns(run), each))
+        for run, each in zip(runs, off, strict=True)
+    ]
+    speed = np.ones(n)
     seconds = np.zeros(n)
     variance = np.zeros((n, VARIANCE))
     scale, power, density, bias = (np.ones((n, CHARTS)) for _ in range(4))
@@ -110,6 +117,7 @@ def _healthy(
         residual = _all([run.residual[:, j] for run in runs], picked)
         columns = _all([run.columns[:, j] for run in runs], picked)
         features = _all([run.features[:, j] for run in runs], picked)
+        speed[j] = max(float(np.sqrt(np.mean(features[:, 1]))), 1e-6)
         variance[j] = _variance(residual, features)
         scale[j] = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-9)
         weight = [1.0 / np.sqrt(run.features[:, j] @ variance[j]) for run in runs]
@@ -130,12 +138,25 @@ def _healthy(
         position_noise=noise,
         seconds=seconds,
         variance=variance,
-        friction=np.zeros(n),
+        friction=friction,
+        friction_off=off.mean(axis=0),
+        speed=speed,
         scale=scale,
         power=power,
         density=density,
         bias=bias,
     )
+
+
+def _friction_off(run: ResidualRows, friction: FloatArray) -> FloatArray:
+    """Coulomb and viscous friction of a log less the model's, (n, 2); none where none is known."""
+    off = np.zeros((len(friction), 2))
+    X = friction_columns(run)
+    for j in np.flatnonzero(friction > 0.0):
+        moves = run.moving[:, j]
+        if moves.any():
+            off[j] = np.linalg.lstsq(X[moves, j], run.residual[moves, j], rcond=1e-3)[0]
+    return off
 
 
 def _variance(residual: FloatArray, features: FloatArray) -> FloatArray:

@@ -1,10 +1,10 @@
-"""Why a machine has changed: effects of the catalogue held against the residual since an onset."""
+"""Why a machine has changed: hypotheses of the kernel, weighed on the rows since an onset."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +15,20 @@ from ..effects import CATALOGUE, Effect
 from ..effects.coulomb_friction import CoulombFriction
 from ..effects.external_contact import ExternalContact
 from ..effects.inertial import Payload
+from ..effects.torque_gain import TorqueGain
 from ..effects.viscous_friction import ViscousFriction
+from ..identify.company import fits_beside
+from ..identify.hypothesis import Hypothesis, ordinary, peculiar
+from ..identify.linearisation import Linearisation, Series
+from ..identify.model import Model
+from ..identify.pool import Pool, Scored
+from ..identify.weighing import serious
 from ..model.predict import places_of
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Key, Place, Shape
-from ..regression.fit import Fit, Term, term_of
-from ..thresholds.watch import WatchThresholds
+from ..regression.fit import Term, term_of
+from ..thresholds import Thresholds
 from .alarm import Cause, Figure
 from .calibrate import variance_of
 from .changes import Change
@@ -30,14 +37,10 @@ from .residuals import ResidualRows, Residuals
 from .windows import NAME
 
 _ALWAYS = (-np.inf, np.inf)
-_FEWEST = 50.0  # rows from which an effect's simplicity counts as much: fewer tell of few figures
 _SMEARED = 0.5  # periods of the cut-off over which the filter smears an onset
 _NEAR = 1.0  # of the CUSUM's onset, within which a better one is looked for [s]
-_AT_MOST = 3.0  # standard deviations that another day's friction is off at most
-_TODAY = "friction today"
-_HELD = np.array([5.0, 1.0, 1.0, 1.0] + [0.02] * 6)
-"""Standard deviations of a body a decimetre or two large that is taken up: kg, kg m, kg m^2."""
-_WITHIN = 0.6  # distance of its centre from the last joint's frame at most [m]
+_STILL_THERE = 0.1  # share of a change by which an effect that has gone may seem to overshoot
+_MOVES = 12  # at most, from one set of causes to another
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -50,59 +53,89 @@ class Explanation:
     changes: tuple[Change, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Candidate:
-    term: Term
-    fit: Fit
-    bic: float
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Changed(Hypothesis):
+    """A change of an effect that the model may already have some of."""
+
+    before: FloatArray  # (k,) the effect's coefficients in the model
+
+    @classmethod
+    def of(cls, hypothesis: Hypothesis, before: FloatArray) -> _Changed:
+        """A hypothesis of the catalogue's effect, as a change of what is there."""
+        given = {each.name: getattr(hypothesis, each.name) for each in fields(hypothesis)}
+        return cls(**given, before=before)
+
+    def admissible(self, beta: FloatArray) -> bool:
+        """Whether what is there after the change makes physical sense; an effect may go."""
+        effect, total = CATALOGUE[self.term.effect], self.before + beta
+        return effect.admissible(total) or effect.admissible(total - _STILL_THERE * beta)
 
 
-class WeighedRows:
-    """Torque balances since an onset, by the healthy noise of each row."""
+class RowsSince:
+    """Torque balances since an onset, each row over its healthy noise, as the kernel's rows."""
 
-    def __init__(self, motion: Motion, known: ResidualRows, onset: float, charts: Charts) -> None:
+    def __init__(
+        self,
+        motion: Motion,
+        known: ResidualRows,
+        onset: float,
+        charts: Charts,
+        thresholds: Thresholds,
+    ) -> None:
         """Of a motion and its residual's rows; joints that are not watched do not count."""
-        h = charts.healthy
-        self.count = 0.0  # rows that say as much as independent ones
+        made = Balances([motion], thresholds)
+        self.time = motion.recording.start + made.time
+        self.balances = copy(made)  # in N m, with the rows that count
+        self.balances.mask, self.balances.residual = {}, {}
         self._weight: dict[Key, FloatArray] = {}
         self._counts: dict[Key, NDArray[np.bool_]] = {}
-        made = Balances([motion])
-        time = motion.recording.start + made.time
-        row = np.minimum(np.searchsorted(known.time, time - 1e-6), len(known.time) - 1)
-        nearby = np.abs(known.time[row] - time) < known.step
-        sigma = np.sqrt(variance_of(h, known.features[row]))  # (N, n)
-        balances = copy(made)
-        balances.mask, balances.residual, alike = {}, {}, {}
+        row = np.minimum(np.searchsorted(known.time, self.time - 1e-6), len(known.time) - 1)
+        nearby = np.abs(known.time[row] - self.time) < known.step
+        healthy, series = charts.healthy, {}
+        weight = 1.0 / np.sqrt(variance_of(healthy, known.features[row]))  # (N, n)
         for j in np.flatnonzero(charts.watched).tolist():
             key: Key = ("torque", j)
-            memory = max(1.0, h.density[j, 0] / known.step)
             self._counts[key] = nearby & known.moving[row, j]
-            balances.mask[key] = self._counts[key] & (time >= onset + _SMEARED / motion.cutoff)
-            self._weight[key] = 1.0 / sigma[:, j]
-            balances.residual[key] = made.residual[key] * self._weight[key]
-            alike[key] = float(np.sqrt(memory))
-            self.count += float(np.count_nonzero(balances.mask[key])) / memory
-        self.balances = balances.with_noise(alike)
-        self.time = time
+            self._weight[key] = weight[:, j]
+            since = self._counts[key] & (self.time >= onset + _SMEARED / motion.cutoff)
+            self.balances.mask[key], self.balances.residual[key] = since, made.residual[key]
+            rows = np.flatnonzero(since)
+            if len(rows):
+                memory = max(1.0, healthy.density[j, 0] / known.step)
+                series[key] = Series(
+                    rows=rows,
+                    target=(made.residual[key] * weight[:, j])[rows],
+                    floor=1.0,
+                    parts=(slice(0, len(rows)),),
+                    independent=len(rows) / memory,
+                )
+        self.data = Linearisation(series)
+        self._healthy = Model(self.data, (), rounds=0)
+        self._healthy.noise = dict.fromkeys(series, 1.0)
 
-    def term(self, effect: Effect, place: Place, shape: Shape) -> Term | None:
-        """The term of an effect; None where it changes nothing."""
-        made = term_of(self.balances, effect, place, shape)
-        if made is None:
-            return None
-        columns = {key: each * self._weight[key][:, None] for key, each in made.columns.items()}
-        return replace(made, columns=columns)
+    def model(self, hypotheses: Sequence[Hypothesis]) -> Model:
+        """The kernel's, with the noise of the healthy machine, which is known."""
+        return Model(self.data, hypotheses, self._healthy, rounds=0)
 
-    def onset(self, fit: Fit, about: float) -> float:
-        """The time from which on what was fitted leaves least, near another one [s]."""
-        gain = np.zeros(self.balances.count)
-        for key in fit.design:
-            b, shown = self.balances, np.zeros(self.balances.count)
-            for term, beta in fit.weighted:
-                if key in term.columns and term.effect != _TODAY:
-                    shown += term.columns[key] @ beta
-            left = b.residual[key] - shown
-            gain += np.where(self._counts[key], b.residual[key] ** 2 - left**2, 0.0)
+    def weighed(self, hypothesis: Hypothesis) -> Hypothesis:
+        """A hypothesis with its columns over the healthy noise."""
+        term = hypothesis.term
+        columns = {
+            key: column * self._weight[key][:, None]
+            for key, column in term.columns.items()
+            if key in self._weight
+        }
+        return replace(hypothesis, term=replace(term, columns=columns))
+
+    def onset(self, model: Model, causes: Sequence[Hypothesis], about: float) -> float:
+        """The time from which on the causes leave least, near another one [s]."""
+        gain = np.zeros(len(self.time))
+        for key, counts in self._counts.items():
+            target, part = self.balances.residual[key] * self._weight[key], np.zeros_like(gain)
+            for cause in causes:
+                if key in cause.term.columns:
+                    part += cause.term.columns[key] @ model.beta[model.span(cause)]
+            gain += np.where(counts, target**2 - (target - part) ** 2, 0.0)
         near = np.flatnonzero(np.abs(self.time - about) <= _NEAR)
         if not len(near):
             return about
@@ -111,10 +144,75 @@ class WeighedRows:
         return float(self.time[near[best]]) if since[best] > 0.0 else about
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Weighing:
+    """Sets of causes on the same rows: by their evidence and odds, the likeliest is chosen."""
+
+    rows: RowsSince
+    today: tuple[Hypothesis, ...]  # friction of another day, always in the model
+    pool: Pool
+
+    def model(self, causes: Sequence[Hypothesis]) -> Model:
+        """Of these causes; where friction has changed, none of it is another day's."""
+        rubbing = {h.term.place for h in causes if CATALOGUE[h.term.effect].family == "friction"}
+        parts = [each for each in self.today if each.term.place not in rubbing]
+        return self.rows.model((*parts, *causes))
+
+    def likeliest(self, most: int) -> tuple[Hypothesis, ...]:
+        """Causes that are added, replaced and dropped as long as that is worth it, likeliest first.
+
+        Args:
+            most: causes that may act together.
+        """
+        believed = self.rows.balances.thresholds.diagnosis
+        causes: tuple[Hypothesis, ...] = ()
+        for _ in range(_MOVES):
+            moves = [(0.0, causes)]
+            others = self._others(causes) if len(causes) < most else []
+            moves += [(o.log_odds - believed.worth, (*causes, o.hypothesis)) for o in others]
+            for cause in causes:
+                rest, own = _without(causes, cause), self.log_odds(cause, causes)
+                moves.append((believed.worth - own, rest))
+                least = own + believed.better
+                others = self._others(rest, cause)
+                moves += [(o.log_odds - least, (*rest, o.hypothesis)) for o in others]
+            gain, after = max(moves, key=lambda move: move[0])
+            if gain <= 0.0:
+                break
+            causes = after
+        return tuple(sorted(causes, key=lambda each: -self.log_odds(each, causes)))
+
+    def log_odds(self, cause: Hypothesis, causes: Sequence[Hypothesis]) -> float:
+        """That one of the causes is there, the others given."""
+        rest = _without(causes, cause)
+        return self.model((*rest, cause)).log_posterior - self.model(rest).log_posterior
+
+    def rivals(self, causes: tuple[Hypothesis, ...]) -> list[Scored]:
+        """Other causes in the place of the first that are a hundredth as likely at least."""
+        first, rest = causes[0], causes[1:]
+        least = self.log_odds(first, causes) - self.rows.balances.thresholds.diagnosis.level
+        return [each for each in self._others(rest, first) if each.log_odds > least]
+
+    def _others(self, causes: Sequence[Hypothesis], gone: Hypothesis | None = None) -> list[Scored]:
+        """What could be there as well: the likeliest few, by their own models."""
+        taken = {each.key for each in (*causes, gone) if each is not None}
+        model = self.model(causes)
+        found = [
+            Scored(other, self.model((*causes, other)).log_posterior - model.log_posterior)
+            for other in (each.hypothesis for each in serious(self.pool.scored(model)))
+            if other.key not in taken and fits_beside(other, causes)
+        ]
+        return sorted(found, key=lambda each: -each.log_odds)
+
+
+def _without(causes: Sequence[Hypothesis], gone: Hypothesis) -> tuple[Hypothesis, ...]:
+    return tuple(each for each in causes if each is not gone)
+
+
 class CauseSearch:
     """Explains the rows of a motion since an onset."""
 
-    def __init__(self, residuals: Residuals, charts: Charts, thresholds: WatchThresholds) -> None:
+    def __init__(self, residuals: Residuals, charts: Charts, thresholds: Thresholds) -> None:
         """Of a model, with the floor of its residuals."""
         self._residuals, self._charts, self._limits = residuals, charts, thresholds
 
@@ -127,97 +225,60 @@ class CauseSearch:
             onset: [s] on the log's clock.
             most: effects that may act together.
         """
-        rows = WeighedRows(motion, known, onset, self._charts)
-        chosen, instead, fit = self._chosen(rows, most)
-        if not chosen:
+        weighing = self._weighing(motion, known, onset)
+        causes = weighing.likeliest(most)
+        if not causes:
             return Explanation(onset=onset)
-        better = rows.onset(fit, onset)
+        better = weighing.rows.onset(weighing.model(causes), causes, onset)
         if most > 1 and better != onset:
-            rows = WeighedRows(motion, known, better, self._charts)
-            chosen, instead, fit = self._chosen(rows, most)
+            weighing = self._weighing(motion, known, better)
+            causes = weighing.likeliest(most) or causes
+        model, rest = weighing.model(causes), causes[1:]
+        own = weighing.log_odds(causes[0], causes)
         return Explanation(
             onset=better,
-            causes=tuple(self._cause(fit, term) for term in chosen),
-            instead=instead,
-            changes=tuple(_change(fit, term) for term in chosen),
+            causes=tuple(self._cause(model, each) for each in causes),
+            instead=tuple(
+                self._cause(
+                    weighing.model((each.hypothesis, *rest)),
+                    each.hypothesis,
+                    worse=2.0 * (own - each.log_odds),
+                )
+                for each in weighing.rivals(causes)
+            ),
+            changes=tuple(_change(model, each) for each in causes),
         )
 
-    def _chosen(self, rows: WeighedRows, most: int) -> tuple[list[Term], tuple[Cause, ...], Fit]:
-        """The likeliest effects together, what fits as well as the first, and the fit."""
-        count = max(rows.count, _FEWEST)
-        fit = Fit(rows.balances, self._day(rows))
-        pool = list(self._terms(rows))
-        base, chosen, instead = _bic(fit, count), [], []
-        for turn in range(most):
-            tried = sorted(self._tried(fit, pool, count), key=lambda each: each.bic)
-            needed = self._limits.beside if turn else self._limits.level
-            if not tried or tried[0].bic > base - needed:
-                break
-            close = [each for each in tried if each.bic < tried[0].bic + self._limits.level]
-            best = min(close, key=lambda each: CATALOGUE[each.term.effect].complexity)
-            if not turn:
-                others = (each for each in close if each is not best)
-                instead = [self._cause(each.fit, each.term, each.bic - best.bic) for each in others]
-            chosen.append(best.term)
-            fit, base = best.fit, best.bic
-        return chosen, tuple(instead), self._final(fit, chosen)
+    def _weighing(self, motion: Motion, known: ResidualRows, onset: float) -> _Weighing:
+        rows = RowsSince(motion, known, onset, self._charts, self._limits)
+        return _Weighing(
+            rows=rows,
+            today=tuple(self._today(rows)),
+            pool=Pool(rows.data, list(self._changed(rows))),
+        )
 
-    def _final(self, fit: Fit, chosen: list[Term]) -> Fit:
-        """The fit without today's friction where friction is the cause: it has no share in it."""
-        rubbing = {t.place for t in chosen if CATALOGUE[t.effect].family == "friction"}
-        kept = [t for t in fit.terms if t.effect != _TODAY or t.place not in rubbing]
-        return Fit(fit.balances, kept)
+    def _today(self, rows: RowsSince) -> Iterator[Hypothesis]:
+        """Friction of each joint is not quite what is known of it today."""
+        for part in self._residuals.today:
+            term = term_of(rows.balances, CATALOGUE[part.effect], part.place, part.shape)
+            if term is not None:
+                yield rows.weighed(ordinary(term, np.sqrt(part.covariance[0])))
 
-    def _day(self, rows: WeighedRows) -> list[Term]:
-        """Each joint's friction may be another one today: terms that are held to be small."""
-        share, terms = self._limits.friction_change / _AT_MOST, []
-        for j, friction in enumerate(self._charts.healthy.friction):
-            term = rows.term(CATALOGUE[CoulombFriction.id], Place(joints=(j,)), (0.0,))
-            if term is not None and friction > 0.0:
-                small = np.array([(share * friction) ** -2])
-                terms.append(replace(term, effect=_TODAY, prior=small))
-        return terms
-
-    def _terms(self, rows: WeighedRows) -> Iterator[Term]:
-        """What may come over a machine: what may begin at a time, a load, a push."""
+    def _changed(self, rows: RowsSince) -> Iterator[Hypothesis]:
+        """What may begin at a time, a load, a push: as likely of every kind, loads more often."""
         motions = rows.balances.motions
         for effect in CATALOGUE.values():
-            for place in self._places(effect, motions[0]):
-                for shape in effect.shapes(motions, place):
-                    term = rows.term(effect, place, shape)
-                    if term is not None and effect.id == Payload.id:
-                        term = replace(term, prior=1.0 / _HELD**2)
+            for place in _places(effect, motions[0]):
+                shapes = effect.shapes(motions, place)
+                for shape in shapes:
+                    term = term_of(rows.balances, effect, place, shape)
                     if term is not None:
-                        yield term
-
-    def _places(self, effect: Effect, motion: Motion) -> list[Place]:
-        if effect.id == ExternalContact.id:
-            links = range(motion.n)
-            return [Place(link=link, recording=NAME, window=_ALWAYS) for link in links]
-        may_begin = effect.gated and effect.sought == "candidates" and not effect.costly
-        return effect.places([motion]) if may_begin or effect.id == Payload.id else []
-
-    def _tried(self, fit: Fit, pool: list[Term], count: float) -> Iterator[_Candidate]:
-        known = {term.key for term in fit.terms}
-        best: dict[tuple[str, Place], _Candidate] = {}
-        for term in pool:
-            if term.key in known:
-                continue
-            with_it = fit.extended(term)
-            if not self._admissible(term, with_it.beta[-term.width :]):
-                continue
-            candidate = _Candidate(term=term, fit=with_it, bic=_bic(with_it, count))
-            if term.key not in best or candidate.bic < best[term.key].bic:
-                best[term.key] = candidate
-        yield from best.values()
-
-    def _admissible(self, term: Term, beta: FloatArray) -> bool:
-        """Whether an effect may have changed by so much: what the model has may also go."""
-        effect = CATALOGUE[term.effect]
-        if effect.id == Payload.id and np.linalg.norm(beta[1:4]) > _WITHIN * abs(beta[0]):
-            return False
-        total = self._before(term) + beta
-        return effect.admissible(total) or effect.admissible(total - 0.1 * beta)
+                        odds = effect.odds if effect.id == Payload.id else Effect.odds
+                        odds = np.log(odds / (1.0 - odds)) - np.log(len(shapes))
+                        made = replace(peculiar(rows.balances, term), log_odds=float(odds))
+                        if effect.id == TorqueGain.id:
+                            made = replace(made, precision=np.array([self._limits.watch.gain**-2]))
+                        yield rows.weighed(_Changed.of(made, self._before(term)))
 
     def _before(self, term: Term) -> FloatArray:
         """What the model and the changes so far have of an effect at its place, (k,)."""
@@ -237,45 +298,45 @@ class CauseSearch:
             before = before + body.damping[term.place.joints[0]]
         return before
 
-    def _cause(self, fit: Fit, term: Term, worse: float = 0.0) -> Cause:
-        effect, body = CATALOGUE[term.effect], self._residuals.body
-        change, before = _change(fit, term), self._before(term)
+    def _cause(self, model: Model, hypothesis: Hypothesis, worse: float = 0.0) -> Cause:
+        term, change = hypothesis.term, _change(model, hypothesis)
+        effect, before = CATALOGUE[term.effect], self._before(term)
         total = effect.values(term.shape, before + change.beta)
         had = effect.values(term.shape, before)
         spread = _spread(effect, term.shape, before + change.beta, change.covariance)
         names = self._residuals.model.joints
-        links = () if term.place.link is None else (body.links[term.place.link],)
-        units = {each.name: each.unit.strip("-") for each in effect.parameters}
+        link = term.place.link
         return Cause(
             effect=effect.id,
             joints=tuple(names[j] for j in term.place.joints),
-            links=links,
+            links=() if link is None else (self._residuals.body.links[link],),
             change={
-                name: Figure(value=value - had[name], std=spread[name], unit=units[name])
+                name: Figure(
+                    value=value - had[name], std=spread[name], unit=effect.unit_of(name).strip("-")
+                )
                 for name, value in total.items()
             },
             worse=worse,
         )
 
 
-def _bic(fit: Fit, count: float) -> float:
-    """Schwarz's criterion; parameters that the prior holds count in part."""
-    cost = sum(float(np.sum(fit.residual(key) ** 2)) for key in fit.design)
-    cost += float(fit.beta @ (fit.prior * fit.beta))
-    regular = fit.regular(fit.gram)
-    free = float(np.trace(np.linalg.solve(regular, fit.gram))) if fit.size else 0.0
-    return cost + free * float(np.log(count))
+def _places(effect: Effect, motion: Motion) -> list[Place]:
+    if effect.id == ExternalContact.id:
+        links = range(motion.n)
+        return [Place(link=link, recording=NAME, window=_ALWAYS) for link in links]
+    may_begin = effect.gated and effect.sought == "candidates" and not effect.costly
+    return effect.places([motion]) if may_begin or effect.id == Payload.id else []
 
 
-def _change(fit: Fit, term: Term) -> Change:
-    span = fit.span(term)
-    covariance = np.asarray(np.linalg.inv(fit.regular(fit.gram)), dtype=np.float64)[span, span]
+def _change(model: Model, hypothesis: Hypothesis) -> Change:
+    """Coefficients with the kernel's covariance."""
+    span, term = model.span(hypothesis), hypothesis.term
     return Change(
         effect=term.effect,
         place=term.place,
         shape=term.shape,
-        beta=fit.beta[span].copy(),
-        covariance=covariance,
+        beta=model.beta[span].copy(),
+        covariance=model.inverse[span, span],
     )
 
 

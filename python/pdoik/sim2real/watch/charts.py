@@ -13,6 +13,7 @@ from ..thresholds.watch import WatchThresholds
 from .calibrate import variance_of
 from .cusum import Cusum, threshold_for
 from .residuals import CHART_EFFECTS, ResidualRows
+from .today import FrictionToday
 
 DAY = 86400.0  # [s]
 _SIGNS = np.array([1.0, -1.0])
@@ -26,11 +27,11 @@ class Crossing:
     joint: int
     effect: str  # of the column that the chart is held against
     onset: float  # when the chart was last at zero [s]
-    told: float  # time of the row that crossed [s]
+    time: float  # of the row that crossed [s]
 
 
 class Charts:
-    """Three columns, up and down, of each joint that healthy logs tell of."""
+    """Charts of three columns, up and down, for each joint that moves in healthy logs."""
 
     def __init__(self, healthy: Healthy, thresholds: WatchThresholds) -> None:
         """Raises ValueError where no joint can be watched."""
@@ -41,13 +42,14 @@ class Charts:
             raise ValueError("no joint moves long enough in the healthy logs to be watched")
         self.smallest, self.threshold = self._design()
         self.cusum = Cusum((*self.smallest.shape, 2))
+        self.today = FrictionToday(healthy, thresholds)
 
     def _design(self) -> tuple[FloatArray, float]:
         """The smallest change that each chart looks for, (n, 3) [N m], and the threshold of all.
 
         A chart falls while a coefficient is below half of that change. So this is twice what a
-        healthy coefficient may be, or what is just told within the time that is asked for; where
-        the model leaves so much that this is more than the joint's friction, it is told later.
+        healthy coefficient may be, or what is just detected within the time that is asked for;
+        where the model leaves so much that this is more than the joint's friction, it takes longer.
         """
         h, limits = self.healthy, self._limits
         per_square = h.power / (2.0 * h.density)  # information of a change of 1 N m [1/s]
@@ -69,14 +71,17 @@ class Charts:
         """
         used, path = self.cusum.update(rows.time, self.increments(rows), self.threshold)
         if not used or path[-1].max() < self.threshold:
+            if used:
+                self.today.learn(rows, self.cusum.since.min(axis=(1, 2)))
             return used, None, path
+        self.today.forget()
         joint, column, sign = np.unravel_index(int(np.argmax(path[-1])), path[-1].shape)
         onset = float(self.cusum.since[joint, column, sign])
         crossing = Crossing(
             joint=int(joint),
             effect=CHART_EFFECTS[int(column)][0],
             onset=onset if np.isfinite(onset) else float(rows.time[0]),
-            told=float(rows.time[used - 1]),
+            time=float(rows.time[used - 1]),
         )
         return used, crossing, path
 
@@ -84,13 +89,13 @@ class Charts:
         """Log likelihood ratios of the rows, (N, n, 3, 2).
 
         Of what is healthy, the least favourable is meant (Huber, Ann. Math. Statist. 36, 1965):
-        friction as far off in the residual's direction as another day's may be. Bounded, so that no
-        crossing rests on less than a short time: what jumps for a sample is no change.
+        friction as far off in the residual's direction as what is known of it allows. Bounded, so
+        that no crossing rests on less than a short time: what jumps for a sample is no change.
         """
         h = self.healthy
         sigma = np.sqrt(variance_of(h, rows.features))  # (N, n)
         x = rows.columns / (h.scale * sigma[:, :, None])
-        score = x * (self.beyond(rows.residual) / sigma)[:, :, None]  # (N, n, 3)
+        score = x * (_beyond(rows) / sigma)[:, :, None]  # (N, n, 3)
         change = self.smallest * rows.step / h.density
         up_and_down = _SIGNS * score[..., None]
         ratio = change[..., None] * (up_and_down - 0.5 * (self.smallest * x**2)[..., None])
@@ -98,7 +103,7 @@ class Charts:
         counted = (rows.moving & self.watched)[:, :, None, None]
         return np.where(counted, np.clip(ratio, -most, most), 0.0)
 
-    def beyond(self, residual: FloatArray) -> FloatArray:
-        """What of a residual, (N, n), another day's friction does not explain."""
-        allowed = self._limits.friction_change * self.healthy.friction
-        return np.asarray(np.sign(residual) * np.maximum(np.abs(residual) - allowed, 0.0))
+
+def _beyond(rows: ResidualRows) -> FloatArray:
+    """What of the residual, (N, n), friction and known changes cannot be."""
+    return np.asarray(np.sign(rows.residual) * np.maximum(np.abs(rows.residual) - rows.allowed, 0))

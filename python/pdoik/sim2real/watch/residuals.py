@@ -1,4 +1,4 @@
-"""What a window's torques have beside the model, and the columns they are held against."""
+"""Residual torques of a window less the model, and the columns that charts compare them with."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ CHART_EFFECTS = (
 
 _STILL = 0.3  # periods of the cut-off around rest that say nothing, as in the balances
 _SURE = 2.0  # standard errors within which what was learnt of a change may be wrong
+AT_MOST = 3.0  # standard deviations by which another day's friction differs at most
 _SLIDES = 4.0  # displacements of a presliding joint after which it slides
 _WARM = 1e6  # the machine has run this long [s]: what fades at a start has faded
 
@@ -44,6 +45,7 @@ class ResidualRows:
     time: FloatArray  # (N,) of the log's clock [s]
     step: float  # between rows [s]
     residual: FloatArray  # (N, n) measured less the model and what has changed [N m]
+    allowed: FloatArray  # (N, n) of it, that what is known of friction and changes leaves open
     columns: FloatArray  # (N, n, 3) of the charts
     features: FloatArray  # (N, n, 4) that the noise's variance depends on
     moving: NDArray[np.bool_]  # (N, n) where a row says something
@@ -54,7 +56,13 @@ class ResidualRows:
         return replace(self, **changed)
 
 
-_ARRAYS = ("time", "residual", "columns", "features", "moving")
+_ARRAYS = ("time", "residual", "allowed", "columns", "features", "moving")
+
+
+def friction_columns(rows: ResidualRows) -> FloatArray:
+    """Direction and speed of each joint at the rows, (N, n, 2)."""
+    direction = rows.columns[:, :, 1]
+    return np.stack([direction, direction * np.sqrt(rows.features[:, :, 1])], axis=2)
 
 
 def joined(parts: Iterable[ResidualRows]) -> ResidualRows:
@@ -86,6 +94,7 @@ class Residuals:
         self.model = replace(model, findings=lasting)
         self.cutoff = model.cutoff
         self.changes: tuple[Change, ...] = ()
+        self.today: tuple[Change, ...] = ()  # friction as it is today, less the model's
         self.body = body
         self._noise = position_noise
         self._slides = np.full(len(model.joints), slides)
@@ -104,15 +113,17 @@ class Residuals:
         return replace(made, tau=smooth + sharp)
 
     def motion_now(self, recording: Recording) -> tuple[Motion, FloatArray]:
-        """The same with all changes that are known, and the variance of these, (T, n)."""
+        """The same with all changes that are known, and by how much these may be off, (T, n)."""
         motion = self.motion(recording)
         changed, variance = torque_of_changes(self.changes, motion)
-        return replace(motion, tau=motion.tau + changed), variance
+        rubs, varies = torque_of_changes(self.today, motion)
+        allowed = _SURE * np.sqrt(variance) + AT_MOST * np.sqrt(varies)
+        return replace(motion, tau=motion.tau + changed + rubs), allowed
 
     def rows(self, window: Window) -> ResidualRows:
         """The rows of a window's core."""
         recording = window.rows.recording()
-        motion, variance = self.motion_now(recording)
+        motion, allowed = self.motion_now(recording)
         assert motion.torque is not None
         first, step = _core(window, motion)
         columns = np.stack([_columns(motion, j) for j in range(motion.n)], axis=1)  # (T, n, 3)
@@ -125,12 +136,11 @@ class Residuals:
         )
         around = int(_STILL / (motion.cutoff * motion.period))
         moving = motion.valid[:, None] & ~dilated(motion.still | self._sticks(motion), around)
-        band = _SURE * np.sqrt(variance[first])
-        residual = filtered[:, :, 0]
         return ResidualRows(
             time=recording.start + motion.time[first],
             step=step,
-            residual=np.sign(residual) * np.maximum(np.abs(residual) - band, 0.0),
+            residual=filtered[:, :, 0],
+            allowed=allowed[first],
             columns=filtered[:, :, 1:],
             features=features[first],
             moving=moving[first],

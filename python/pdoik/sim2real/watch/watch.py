@@ -50,13 +50,14 @@ class Watch:
     """
 
     def __init__(self, model: Model, *, thresholds: Thresholds | None = None) -> None:
-        """Of a model that knows its healthy residuals, see `calibrated`.
+        """Watch by a model that knows its healthy residuals, see `calibrated`.
 
         Raises:
             ValueError: the model has no robot, or knows nothing of the healthy machine, or its
                 base floats.
         """
-        limits = (Thresholds() if thresholds is None else thresholds).watch
+        every = Thresholds() if thresholds is None else thresholds
+        limits = every.watch
         model = model.of_fixed_base
         if model.robot is None:
             raise ValueError("the study had no robot description, so no torque can be watched")
@@ -71,7 +72,8 @@ class Watch:
         self._limits = limits
         self._residuals = Residuals(model, model.healthy.position_noise, limits.slides)
         self._charts = Charts(model.healthy, limits)
-        self._causes = CauseSearch(self._residuals, self._charts, limits)
+        self._residuals.today = self._charts.today.changes
+        self._causes = CauseSearch(self._residuals, self._charts, every)
         self._windows = Windows(len(model.joints), self._residuals.cutoff)
         self._source = ""
         self._last = -np.inf
@@ -102,7 +104,7 @@ class Watch:
                 own. A recording has its own name.
 
         Returns:
-            What is told by these rows, in order.
+            Alarms that these rows raise, in order.
 
         Raises:
             ValueError: a column is missing, the time runs backwards, there are too few rows a
@@ -110,25 +112,27 @@ class Watch:
         """
         rows = self._recorded(log) if isinstance(log, Recording) else self._given(log)
         name = source if source is not None else getattr(log, "name", self._source)
-        told: list[Alarm] = []
+        alarms: list[Alarm] = []
         if name != self._source:
-            told += self.end()
+            alarms += self.end()
             self._source = name
         rows = self._rising(rows)
         for window in self._windows.add(rows):
-            told += self._watch(window)
-        return told
+            alarms += self._watch(window)
+        return alarms
 
     def end(self) -> list[Alarm]:
         """Watch what is left of a stream that has ended; the next one has a clock of its own."""
-        told = [alarm for window in self._windows.end() for alarm in self._watch(window)]
+        alarms = [alarm for window in self._windows.end() for alarm in self._watch(window)]
         if self._learning is not None:
-            told.append(self._learnt())
+            alarms.append(self._learnt())
         self._kept.clear()
         self._past = None
         self._last = -np.inf
         self._charts.cusum.since[:] = -np.inf
-        return told
+        self._charts.today.reset()
+        self._residuals.today = self._charts.today.changes
+        return alarms
 
     def _recorded(self, recording: Recording) -> Rows:
         if recording.q.shape[1] != len(self.model.joints):
@@ -177,17 +181,18 @@ class Watch:
                 return
             used, crossing, _ = self._charts.update(rows)
             if crossing is None:
+                self._residuals.today = self._charts.today.changes
                 return
             rows = rows[used:]
             if (past := self._same(crossing)) is not None:
-                self._learning = replace(past, crossing=crossing, since=crossing.told, moved=0.0)
+                self._learning = replace(past, crossing=crossing, since=crossing.time, moved=0.0)
                 continue
             self.alarms += 1
             self._learning = _Learning(
                 number=self.alarms,
                 crossing=crossing,
                 onset=crossing.onset,
-                since=crossing.told,
+                since=crossing.time,
                 before=self._residuals.changes,
             )
             explanation = self._explained(crossing.onset, 1)
@@ -196,7 +201,7 @@ class Watch:
     def _same(self, crossing: Crossing) -> _Learning | None:
         """The change that was learnt last, if this is what was learnt of it too badly."""
         past = self._past
-        if past is None or crossing.told > past.onset + self._limits.revise:
+        if past is None or crossing.time > past.onset + self._limits.revise:
             return None
         return past if self.model.joints[crossing.joint] in past.joints else None
 

@@ -17,7 +17,7 @@ from ..motion.motion import thinned
 NAME = "watched"
 """Every window's name as a recording."""
 
-_FIRST = 50  # rows from which a stream's rate is told
+_FIRST = 50  # rows from which a stream's rate is known
 _FILTERED = 2.0  # periods of the cut-off by which a window reaches beyond its core
 _CORE = 0.5  # shortest core [s]
 _LOWEST = 0.4  # highest cut-off as a share of the rate, as in `predict`
@@ -94,7 +94,7 @@ class Windows:
     def add(self, rows: Rows) -> Iterator[Window]:
         """Windows that are complete with these rows; a gap begins a new stream."""
         self._rows = self._rows.followed_by(rows)
-        while self._told_rate():
+        while self._has_rate():
             steps = np.diff(self._rows.time[: self._length + 1])
             gaps = np.flatnonzero(steps > GAP * self._period)
             if len(gaps):
@@ -112,7 +112,7 @@ class Windows:
 
     def end(self) -> Iterator[Window]:
         """What is left of the stream; the next one may have another clock."""
-        if self._told_rate():
+        if self._has_rate():
             yield from self._rest(len(self._rows))
         self._rows, self._period = _none(self._n), 0.0
 
@@ -120,7 +120,7 @@ class Windows:
     def _length(self) -> int:
         return 2 * self._pad + self._core
 
-    def _told_rate(self) -> bool:
+    def _has_rate(self) -> bool:
         """Whether the stream's rate is known; it is looked at where it begins.
 
         Raises:
