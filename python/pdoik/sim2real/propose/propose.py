@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path as File
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +21,15 @@ from ..motion.prepare import Prepared
 from ..study.read_study import load_study
 from ..study.recording import FloatArray
 from .clear import Clear, Verdict
-from .design import Bounds, Design, designed, start_of
+from .design import Bounds, Design, designed
 from .excitation import Frame, random_motion
 from .expected import Pair
 from .limits import Limits, limits_of
 from .path import Path
+from .predict import Predict
 from .proposal import Proposal
 from .questions import ENOUGH, Cause, Question, beyond_motion, cause_of, open_findings, questions_of
+from .standing import Standing
 from .weigh import Weigher
 
 SHORTEST = 5.0
@@ -46,6 +49,7 @@ class Wishes:
     """What a user may ask of a motion."""
 
     seconds: float = 20.0
+    base: Literal["hang", "stand"] | None = None  # of one that floats; None: as it was recorded
     rate: float = 100.0  # of the rows [Hz]
     speed_share: float = 0.7
     torque_share: float = 0.8
@@ -83,11 +87,11 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
     Raises:
         NothingToSettleError: no motion is needed, or none would help.
         LoadError: a file of the report, or the study, is not there or is not what it should be.
-        ValueError: limits are missing, the start breaks them, or the robot's base floats.
+        ValueError: limits are missing, the start breaks them, or it cannot be said whether a robot
+            that stands would stay up.
     """
     wishes, say = wishes or Wishes(), tell or (lambda stage, text, share: None)
     diagnosis, model = _read(File(report))
-    model = model.of_fixed_base
     findings = open_findings(diagnosis)
     unsettled = tuple(said for each in findings if (said := beyond_motion(each)))
     if not findings:
@@ -103,15 +107,46 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         prepared = ready.prepared
         questions = questions_of(findings, prepared)
         say("rivals", f"{len(questions)} questions", 0.1)
-        weigher = Weigher(prepared, questions, _causes(diagnosis, questions, prepared))
-        frame, notes = _frame(prepared, questions, wishes, weigher.foretold.stuck)
-        clear = _clear(prepared, wishes)
-        bounds = Bounds(weigher=weigher, frame=frame, clear=clear)
+        causes = _causes(diagnosis, questions, prepared)
+        predict = predict_of(prepared, causes, wishes.base)
+        bounds, notes = _bounds(predict, Weigher(prepared, questions, causes), wishes)
         _check_start(bounds)
         design = _found(bounds, wishes, say)
         _check_hope(questions, design)
-        verdict = _judged(clear, design.path)
+        verdict = _judged(bounds.clear, design.run.path)
         return _proposal(bounds, design, verdict, wishes, unsettled, notes)
+
+
+def predict_of(
+    prepared: Prepared, causes: Sequence[Cause], base: Literal["hang", "stand"] | None
+) -> Predict:
+    """What predicts motions of a study's robot.
+
+    Args:
+        prepared: the study.
+        causes: that were found.
+        base: how one that floats is carried; None: as it was recorded, hanging if it ever was.
+
+    Raises:
+        ValueError: a base that is fixed was to hang or stand, or the robot has no feet to stand on.
+    """
+    floating, motions = prepared.study.base, prepared.fit.motions
+    if floating is None:
+        if base is not None:
+            raise ValueError(f"--base {base}: the base of this robot is fixed")
+        return Predict(prepared, causes)
+    held = [k for k, motion in enumerate(motions) if motion.setup.held]
+    stood = [k for k, motion in enumerate(motions) if not motion.setup.held]
+    if base is None:
+        base = "hang" if held else "stand"
+    if base == "hang":
+        return Predict(prepared, causes, like=(*held, 0)[0], held=True)
+    if not floating.feet or not stood:
+        raise ValueError(
+            "no motion of a standing robot is proposed: the study has no recording in which it"
+            " stands on feet that it names; hang the robot up and use --base hang"
+        )
+    return Standing(prepared, causes, like=stood[0])
 
 
 def _read(report: File) -> tuple[Diagnosis, Model]:
@@ -154,15 +189,14 @@ def _name(finding: Finding) -> tuple[object, ...]:
     return finding.effect, finding.joints, finding.links, finding.positions, finding.variant
 
 
-def _frame(
-    prepared: Prepared, questions: tuple[Question, ...], wishes: Wishes, stuck: FloatArray
-) -> tuple[Frame, tuple[str, ...]]:
-    study = prepared.study
+def _bounds(predict: Predict, weigher: Weigher, wishes: Wishes) -> tuple[Bounds, tuple[str, ...]]:
+    """What a motion must hold, and what is said of it."""
+    study = predict.prepared.study
     if study.robot is None:
         raise ValueError("the study has no robot description, so no motion can be designed")
     if not study.robot.is_file():
         raise LoadError(f"the robot's description is not at {study.robot} any more")
-    start = start_of(study.recordings[0].q) if wishes.start is None else wishes.start
+    start = predict.start if wishes.start is None else wishes.start
     if start.shape != (len(study.joints),):
         raise ValueError(f"start has {start.size} numbers, expected {len(study.joints)}")
     whole = limits_of(
@@ -179,9 +213,21 @@ def _frame(
         limits = _reaching(limits, whole, start, outside, study.joints)
         names = ", ".join(study.joints[j] for j in outside)
         notes.append(f"{names}: starts nearer to a limit than a motion should come")
-    asked = tuple(sorted({j for q in questions for place in q.own.places for j in place.joints}))
-    frame = Frame(limits=limits, start=start, duration=wishes.seconds, stuck=stuck, asked=asked)
-    return frame, tuple(notes)
+    if predict.note:
+        notes.append(predict.note)
+    own = (place for question in weigher.questions for place in question.own.places)
+    asked = tuple(sorted({j for place in own for j in place.joints}))
+    frame = Frame(
+        limits=limits, start=start, duration=wishes.seconds, stuck=predict.stuck, asked=asked
+    )
+    bounds = Bounds(
+        weigher=weigher,
+        predict=predict,
+        limits=limits,
+        frame=predict.frame(frame),
+        clear=_clear(predict.prepared, wishes),
+    )
+    return bounds, tuple(notes)
 
 
 def _reaching(
@@ -217,16 +263,17 @@ def _clear(prepared: Prepared, wishes: Wishes) -> Clear | None:
 
 def _check_start(bounds: Bounds) -> None:
     """The start must be a place to be."""
-    frame, foretold = bounds.frame, bounds.weigher.foretold
-    load = np.abs(foretold.body.gravity(frame.start[None])[0]) / frame.limits.torque
+    predict = bounds.predict
+    start = bounds.frame.start if predict.may_be_led else predict.start
+    load = np.abs(predict.load(start)) / bounds.limits.torque
     j = int(np.argmax(load))
     if load[j] > 1.0:
         raise ValueError(
-            f"{foretold.prepared.study.joints[j]} needs more torque to stand at the start than the"
+            f"{predict.prepared.study.joints[j]} needs more torque to stand at the start than the"
             " limits allow: tell another start with --start"
         )
     if bounds.clear is not None:
-        there = bounds.clear.at(frame.start)
+        there = bounds.clear.at(start)
         if there.short():
             raise ValueError(
                 f"the start is not clear ({there.worst}): tell another with --start, or take what"
@@ -251,6 +298,12 @@ def _found(bounds: Bounds, wishes: Wishes, say: Tell) -> Design:
         )
         if best is not None:
             return best
+    if not bounds.predict.may_be_led:
+        raise ValueError(
+            "no motion of the standing robot is proposed: in MuJoCo, with the study's gains, it"
+            " comes off its feet or beyond its limits in each that was tried; hang the robot up and"
+            " use --base hang"
+        )
     raise ValueError(
         "no motion from this start holds all limits: tell another start with --start, or larger"
         " shares of the limits"
@@ -301,9 +354,8 @@ def _proposal(
     unsettled: tuple[str, ...],
     notes: tuple[str, ...],
 ) -> Proposal:
-    path, limits, foretold = design.path, bounds.frame.limits, bounds.weigher.foretold
-    balances = foretold.balances(path)
-    torque = foretold.torque(balances)
+    path, torque, limits = design.run.path, design.run.torque, bounds.limits
+    assert torque is not None
     time = np.arange(round(path.duration * wishes.rate) + 1) / wishes.rate
     curve = path.curve
     middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
@@ -314,7 +366,7 @@ def _proposal(
         "torque": float(np.max(np.abs(torque) / limits.torque)),
     }
     return Proposal(
-        joints=bounds.weigher.prepared.study.joints,
+        joints=bounds.predict.prepared.study.joints,
         time=time,
         q=curve(time),
         dq=curve(time, 1),
