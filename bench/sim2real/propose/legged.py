@@ -3,8 +3,7 @@
     python -m bench.sim2real.propose.legged --out build/bench/propose-legged
 
 Go2s of ../legged with four things wrong at once stood for a short while. Each is diagnosed, then
-moved for as long once more: as ../legged moves them (hanging, or standing), by a random motion of
-`pdoik propose --random`, and by `pdoik propose`. Then all is diagnosed again and scored.
+moved for as long once more: as ../legged moves them (hanging, or standing), and by `pdoik propose --figures`. Then all is diagnosed again and scored.
 """
 
 import json
@@ -46,10 +45,8 @@ HOLD = np.array([0.0, 0.0, 1.2, 1.0, 0.0, 0.0, 0.0])
 Base = Literal["hang", "stand"]
 WAYS: tuple[tuple[str, Base], ...] = (
     ("own", "stand"),
-    ("random", "stand"),
     ("proposed", "stand"),
     ("own", "hang"),
-    ("random", "hang"),
     ("proposed", "hang"),
 )
 """How a machine is moved once more, and how its base is carried."""
@@ -198,12 +195,12 @@ def rows_of(seed: int, search: float) -> list[Row]:
                     wishes = Wishes(
                         seconds=SECONDS,
                         base=base,
-                        random=way == "random",
+                        figures=True,
                         search=search,
                         max_speed=15.0,
                     )
                     proposal = propose(report, wishes)
-                    row["expected"] = proposal.confidence
+                    row["expected"] = float(np.median([each.gain for each in proposal.figures]))
                 policy = policy_of(wrong, way, base, proposal)
                 study = wrong.write(folder / f"{way} {base}", ("fit", policy, base))
                 after = _diagnosed(study, folder / f"report {way} {base}")

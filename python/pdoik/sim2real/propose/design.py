@@ -11,6 +11,7 @@ import numpy as np
 from .clear import Clear
 from .excitation import Frame, Recipe, changed, first_recipes, motion_of, random_recipe
 from .expected import Pair, Prospect, hopeless_of
+from .figures import Figure, known_better
 from .limits import Limits
 from .path import Path
 from .predict import Predict, Run
@@ -32,6 +33,7 @@ class Design:
     drawn: Path  # in the coordinates that motions are drawn in
     run: Run
     prospects: tuple[Prospect, ...]
+    figures: tuple[Figure, ...] = ()  # of all joints, where these are what is asked
     looked_at: int = 1  # motions
     hopeless: frozenset[Pair] = frozenset()  # pairs that none of these tells apart
 
@@ -54,6 +56,9 @@ class Bounds:
             run = self.predict.run(drawn)
             excess = self._excess(run)
             if excess <= 1.0 and run.balances is not None:
+                if not self.weigher.questions:
+                    known = self.weigher.figures(run.balances)
+                    return Design(drawn=drawn, run=run, prospects=(), figures=known)
                 prospects = self.weigher.prospects(run.balances, costly=costly)
                 return Design(drawn=drawn, run=run, prospects=prospects)
             drawn = drawn.toward(self.frame.start, max(0.5, 0.9 / excess))
@@ -120,6 +125,8 @@ class _Ranking:
 
     def score(self, design: Design) -> float:
         """Of one."""
+        if not self.weigher.questions:
+            return known_better(design.figures)
         return self.weigher.score(design.prospects, self.hopeless)
 
     def add(self, recipe: Recipe, design: Design, *, first: bool) -> bool:

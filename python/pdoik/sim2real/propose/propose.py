@@ -56,6 +56,7 @@ class Wishes:
     acceleration: float | None = None  # of every joint [rad/s^2]
     max_speed: float | None = None  # of joints whose description has none [rad/s]
     max_torque: float | None = None  # [N m]
+    figures: bool = False  # of all joints, as exact as can be, instead of what is open
     start: FloatArray | None = None  # (n,) None: where the first recording began
     random: bool = False
     seed: int = 0
@@ -92,14 +93,14 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
     """
     wishes, say = wishes or Wishes(), tell or (lambda stage, text, share: None)
     diagnosis, model = _read(File(report))
-    findings = open_findings(diagnosis)
+    findings = () if wishes.figures else open_findings(diagnosis)
     unsettled = tuple(said for each in findings if (said := beyond_motion(each)))
-    if not findings:
+    if not findings and not wishes.figures:
         raise NothingToSettleError(
             "there is nothing to settle: every finding has a confidence of 0.9 or more and no"
-            " equivalents"
+            " equivalents; with --figures the motion is by which all joints' figures are known best"
         )
-    if len(unsettled) == len(findings):
+    if findings and len(unsettled) == len(findings):
         raise NothingToSettleError(f"no motion would settle what is open: {'; '.join(unsettled)}")
     study = load_study(_study_file(model, wishes))
     with threadpool_limits(limits=1, user_api="blas"):
@@ -112,7 +113,8 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         bounds, notes = _bounds(predict, Weigher(prepared, questions, causes), wishes)
         _check_start(bounds)
         design = _found(bounds, wishes, say)
-        _check_hope(questions, design)
+        if questions:
+            _check_hope(questions, design)
         verdict = _judged(bounds.clear, design.run.path)
         return _proposal(bounds, design, verdict, wishes, unsettled, notes)
 
@@ -373,6 +375,7 @@ def _proposal(
         torque=torque,
         used=used,
         prospects=tuple(each for each in design.prospects if each.why),
+        figures=design.figures,
         unsettled=(*unsettled, *_side_by_side(_hopeless(design))),
         hopeless=_hopeless(design),
         verdict=verdict,

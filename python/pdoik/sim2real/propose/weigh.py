@@ -24,6 +24,7 @@ from ..motion.prepare import Prepared
 from ..regression.fit import Term
 from ..study.recording import FloatArray
 from .expected import Pair, Prospect, Rivalry, clarity, expected_confidence
+from .figures import Figure, figures
 from .questions import Cause, Option, Question, said, standing
 
 _OF_THE_MEAN = 0.2  # what the mean clarity counts beside the least
@@ -133,12 +134,20 @@ class Weigher:
             balances: of the motion.
             costly: whether effects whose columns are simulations are looked at, too.
         """
+        model = self._model(balances)
+        pairs = [*zip(self.questions, self.rivals, strict=True), *self.standing]
+        return tuple(self._prospect(model, balances, *pair, costly) for pair in pairs)
+
+    def _model(self, balances: Balances) -> Model:
+        """All that is believed and was found, on a predicted motion's rows."""
         ordinary = Ordinary(balances=balances, bodies=self._bodies).hypotheses()
         free = [replace(each, positive=False) for each in ordinary]
         found = [each for each in self.causes if not each.is_costly]
-        model = self.noise.model(balances, [*free, *_hypotheses(balances, found)])
-        pairs = [*zip(self.questions, self.rivals, strict=True), *self.standing]
-        return tuple(self._prospect(model, balances, *pair, costly) for pair in pairs)
+        return self.noise.model(balances, [*free, *_hypotheses(balances, found)])
+
+    def figures(self, balances: Balances) -> tuple[Figure, ...]:
+        """How well what every joint has is known, by the recordings and with a motion as well."""
+        return figures(self._recorded, self._model(balances), self.prepared.study.joints)
 
     def score(
         self, prospects: Sequence[Prospect], hopeless: frozenset[Pair] = frozenset()
