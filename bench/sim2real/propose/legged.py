@@ -3,7 +3,8 @@
     python -m bench.sim2real.propose.legged --out build/bench/propose-legged
 
 Go2s of ../legged with four things wrong at once stood for a short while. Each is diagnosed, then
-moved for as long once more: as ../legged moves them (hanging, or standing), and by `pdoik propose --figures`. Then all is diagnosed again and scored.
+moved for some seconds more: as ../legged moves them, hanging or standing, and by
+`pdoik propose --figures`. Then all is diagnosed again and scored.
 """
 
 import json
@@ -39,7 +40,7 @@ from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, propo
 KINDS = ("coulomb_friction", "viscous_friction", "rotor_inertia", "torque_offset", "torque_gain")
 WRONG = 4  # of the joints
 SHARE = 0.5  # of the sizes of ../legged
-FIRST, SECONDS = 8.0, 12.0  # that it stood, and that it is moved once more [s]
+FIRST, SECONDS = 6.0, 10.0  # that it stood, and that it is moved once more [s]
 HOLD = np.array([0.0, 0.0, 1.2, 1.0, 0.0, 0.0, 0.0])
 
 Base = Literal["hang", "stand"]

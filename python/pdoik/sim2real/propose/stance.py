@@ -17,7 +17,7 @@ from .path import STEP, Path
 
 _DT = 1e-3  # of MuJoCo [s]
 _SETTLE = 1.0  # it stands before the motion begins [s]
-_LIGHT = 0.1  # of a foot's share of the weight, below which it comes loose
+_LIGHT = 0.3  # of a foot's share of the weight, with less of which it hardly stands
 _FRICTION = 0.7  # of feet on a floor of which the study says nothing
 _STIFF = (4.0 * _DT, 1.0)  # time constant and damping of contacts
 _LEVEL = np.cos(np.radians(30.0))  # a base that leans further falls

@@ -47,22 +47,27 @@ class Standing(Predict):
             ValueError: it cannot be said whether it would stay up; the message says why.
         """
         super().__init__(prepared, causes, like=like)
+        self._stance = Stance(prepared.study, self.body.rotor)
         begun = self._like.recording
-        first = {
-            name: None if values is None else np.mean(values[:_BEGIN], axis=0)
-            for name, values in (("q", begun.q), ("q_des", begun.q_des), ("base", begun.base))
-        }
-        q, base = first["q"], first["base"]
-        assert q is not None
-        self.start = q
-        self._sent = np.zeros(len(q)) if first["q_des"] is None else first["q_des"] - q
+        self.start = q = np.mean(begun.q[:_BEGIN], axis=0)
+        base = None if begun.base is None else np.mean(begun.base[:_BEGIN], axis=0)
+        self._sent = self._deflection()
         feet = self._feet(q[None])[0][0]
         if base is None:
             base = np.array([0.0, 0.0, -feet[:, 2].min(), 1.0, 0.0, 0.0, 0.0])
         self._base = base
         turn = Rotation.from_quat(base[[4, 5, 6, 3]])
         self._places = base[:3] + turn.apply(feet)  # (feet, 3) in the world
-        self._stance = Stance(prepared.study, self.body.rotor)
+
+    def _deflection(self) -> FloatArray:
+        """By which what is sent differs from where the joints stand, (n,) [rad]."""
+        begun, control = self._like.recording, self.prepared.study.controller
+        if begun.q_des is not None:
+            return np.asarray(np.mean((begun.q_des - begun.q)[:_BEGIN], axis=0))
+        torque = self._like.torque
+        if torque is None or control is None or control.gravity_compensation:
+            return np.zeros(len(self.start))
+        return np.asarray(np.mean(torque[:_BEGIN], axis=0) / control.kp)
 
     @cached_property
     def _legs(self) -> np.ndarray:
