@@ -10,8 +10,7 @@ import pinocchio as pin
 import pytest
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.propose import NothingToSettleError, Proposal, propose
-from pdoik.sim2real.propose.propose import Wishes
+from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, propose
 from propose_reports import (
     EFFORT,
     LEVEL,

@@ -40,11 +40,12 @@ from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, propo
 KINDS = ("coulomb_friction", "viscous_friction", "rotor_inertia", "torque_offset", "torque_gain")
 WRONG = 4  # of the joints
 SHARE = 0.5  # of the sizes of ../legged
-FIRST, SECONDS = 6.0, 10.0  # that it stood, and that it is moved once more [s]
+FIRST, SECONDS = 4.0, 8.0  # that it stood, and that it is moved once more [s]
 HOLD = np.array([0.0, 0.0, 1.2, 1.0, 0.0, 0.0, 0.0])
 
-Base = Literal["hang", "stand"]
-WAYS: tuple[tuple[str, Base], ...] = (
+Carried = Literal["hang", "stand"]
+WAYS: tuple[tuple[str, Carried], ...] = (
+    ("none", "stand"),
     ("own", "stand"),
     ("proposed", "stand"),
     ("own", "hang"),
@@ -65,15 +66,16 @@ def main(
         count, search, out = 1, 5.0, out.with_name(out.name + "-quick")
     settings = {"experiment": "propose legged", "code": code_digest("legged"), "search": search}
     with cli.plain_errors():
-        campaign = Campaign(out, settings)
-        names = [f"{number}" for number in range(seed, seed + count)]
-        for name in names:
-            if not campaign.has(name):
-                campaign.keep(name, rows_of(int(name), search))
-            for row in campaign.gather([name]).itertuples():
+        campaign, names = Campaign(out, settings), []
+        for number in range(seed, seed + count):
+            for way, base in WAYS:
+                names.append(f"{number}-{way}-{base}")
+                if not campaign.has(names[-1]):
+                    campaign.keep(names[-1], [row_of(number, way, base, search, out)])
+                row = campaign.gather(names[-1:]).iloc[0]
                 cli.console.print(
-                    f"{name} {row.way} {row.base}: {row.right} of {WRONG} right, {row.false} false,"
-                    f" error {row.off:.2f} {row.error}",
+                    f"{names[-1]}: {row.right} of {WRONG} right, {row.false} false, figures off"
+                    f" {row.off:.2f} ({row.seconds:.0f} s) {row.error}",
                     highlight=False,
                 )
         text = tables(campaign.gather(names))
@@ -106,18 +108,18 @@ class Wrong:
             hidden.append(_hidden(kind, told.robot.joints[j], said, machine, int(j)))
         return cls(spec=spec, machine=machine, hidden=tuple(hidden))
 
-    def write(self, folder: Path, *more: tuple[str, Policy, Base]) -> Path:
+    def write(self, folder: Path, *more: tuple[Policy, Carried]) -> Path:
         """The study with two short logs of standing, and more; gives study.yaml."""
         folder.mkdir(parents=True)
         legs, spec, entries = legs_of(self.spec.robot), self.spec, []
         weight = GRAVITY * float(legs.model.body_mass.sum())
         sense = sensors(self.machine, weight, spec.stream("sensors"))
         first = [stand(legs, FIRST, spec.stream(f"first{k}")) for k in range(2)]
-        runs: list[tuple[str, Policy, Base, float]] = [
+        runs: list[tuple[str, Policy, Carried, float]] = [
             ("fit", first[0], "stand", FIRST),
             ("validate", first[1], "stand", FIRST),
         ]
-        runs += [("fit", policy, base, SECONDS) for _, policy, base in more]
+        runs += [("fit", policy, base, SECONDS) for policy, base in more]
         for k, (role, policy, base, seconds) in enumerate(runs):
             hold = HOLD if base == "hang" else None
             where = HOLD if hold is not None else home(self.machine.robot)[0]
@@ -164,7 +166,7 @@ class Sent:
         return np.asarray(self.proposal.at(np.array([min(t, self.proposal.time[-1])]))[0])
 
 
-def policy_of(wrong: Wrong, way: str, base: Base, proposal: Proposal | None) -> Policy:
+def policy_of(wrong: Wrong, way: str, base: Carried, proposal: Proposal | None) -> Policy:
     """Who moves a machine once more."""
     legs, rng = legs_of(wrong.spec.robot), wrong.spec.stream(f"{way}{base}")
     if way == "own":
@@ -181,35 +183,32 @@ def policy_of(wrong: Wrong, way: str, base: Base, proposal: Proposal | None) -> 
     return Posture(wrong.machine.robot, time_, q, torques)
 
 
-def rows_of(seed: int, search: float) -> list[Row]:
-    """Before, then of every way."""
-    wrong, rows = Wrong.drawn(seed), []
+def row_of(seed: int, way: str, base: Carried, search: float, out: Path) -> Row:
+    """Of one machine moved once more; the report of its first logs is kept for all ways."""
+    wrong, begin = Wrong.drawn(seed), time.perf_counter()
+    row: Row = {"seed": seed, "way": way, "base": base}
+    first = out / f"machine {seed}"
     with tempfile.TemporaryDirectory(prefix="pdoik-propose-") as name:
-        folder = Path(name)
-        report = folder / "report"
-        rows.append(scored(wrong, _diagnosed(wrong.write(folder / "before"), report)))
-        for way, base in WAYS:
-            begin, row = time.perf_counter(), {"way": way, "base": base}
-            try:
-                proposal = None
-                if way != "own":
-                    wishes = Wishes(
-                        seconds=SECONDS,
-                        base=base,
-                        figures=True,
-                        search=search,
-                        max_speed=15.0,
-                    )
-                    proposal = propose(report, wishes)
-                    row["expected"] = float(np.median([each.gain for each in proposal.figures]))
-                policy = policy_of(wrong, way, base, proposal)
-                study = wrong.write(folder / f"{way} {base}", ("fit", policy, base))
-                after = _diagnosed(study, folder / f"report {way} {base}")
-                row |= {k: v for k, v in scored(wrong, after).items() if k not in row}
-            except (NothingToSettleError, ValueError, RuntimeError) as error:
-                row["error"] = f"{type(error).__name__}: {error}"
-            rows.append({**EMPTY, **row, "seconds": time.perf_counter() - begin})
-    return [{**row, "seed": seed} for row in rows]
+        study, report = Path(name) / "study", Path(name) / "report"
+        try:
+            if way == "none":
+                if not first.is_dir():
+                    _diagnosed(wrong.write(first / "study"), first / "report")
+                text = (first / "report" / "diagnosis.json").read_text()
+                return {**EMPTY, **scored(wrong, Diagnosis.from_json(text)), **row}
+            proposal = None
+            if way == "proposed":
+                wishes = Wishes(
+                    seconds=SECONDS, base=base, figures=True, search=search, max_speed=15.0
+                )
+                proposal = propose(first / "report", wishes)
+                row["expected"] = float(np.median([each.gain for each in proposal.figures]))
+            policy = policy_of(wrong, way, base, proposal)
+            after = _diagnosed(wrong.write(study, (policy, base)), report)
+            row = scored(wrong, after) | row
+        except (NothingToSettleError, ValueError, RuntimeError) as error:
+            row["error"] = f"{type(error).__name__}: {error}"
+    return {**EMPTY, **row, "seconds": time.perf_counter() - begin}
 
 
 EMPTY: Row = {
@@ -238,7 +237,6 @@ def scored(wrong: Wrong, diagnosis: Diagnosis) -> Row:
     off = [_off(found, each) for found, each in zip(named, hidden, strict=True)]
     right = [f for found in named for f in found]
     return {
-        **EMPTY,
         "right": sum(bool(found) for found in named),
         "false": sum(f not in right for f in claimed),
         "off": float(np.mean(off)),

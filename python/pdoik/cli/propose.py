@@ -132,9 +132,8 @@ def propose(
     """
     _check(report, output)
     with asks_for("sim2real"), misuse_fails():
-        from pdoik.sim2real.propose import NothingToSettleError
+        from pdoik.sim2real.propose import NothingToSettleError, Wishes
         from pdoik.sim2real.propose import propose as proposed
-        from pdoik.sim2real.propose.propose import Wishes
 
         check_files(cloud, scene)
         options = pdoik.Options(clearance=clearance, self_clearance=margin, base_collision=False)

@@ -57,7 +57,9 @@ class Model:
             noise: variance of each balance's rows where that is known; as in `like` if None.
         """
         self.data = data
-        self._known = like._known if noise is None and like is not None else noise
+        self._known: Mapping[Key, float] | None = noise
+        if noise is None and like is not None:
+            self._known = like._known
         self.hypotheses = tuple(hypotheses)
         ends = np.cumsum([0, *(each.width for each in self.hypotheses)])
         spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]

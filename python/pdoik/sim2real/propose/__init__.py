@@ -9,7 +9,8 @@ from .expected import Prospect
 from .figures import Figure
 from .limits import Limits, limits_of
 from .proposal import Proposal
-from .propose import NothingToSettleError, Wishes, propose
+from .propose import NothingToSettleError, propose
+from .wishes import Wishes
 
 __all__ = [
     "Figure",

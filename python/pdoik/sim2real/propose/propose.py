@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path as File
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pdoik.errors import LoadError
@@ -16,65 +13,25 @@ from pdoik.errors import LoadError
 from ..diagnose import Tell, made_ready
 from ..evidence.files import DIAGNOSIS
 from ..findings import Diagnosis, Finding
-from ..model.model import FILE_NAME, Model, load_model, robot_text
+from ..model.model import FILE_NAME, Model, load_model
 from ..motion.prepare import Prepared
 from ..study.read_study import load_study
-from ..study.recording import FloatArray
 from .clear import Clear, Verdict
 from .design import Bounds, Design, designed
-from .excitation import Frame, random_motion
+from .excitation import random_motion
 from .expected import Pair
-from .limits import Limits, limits_of
 from .path import Path
-from .predict import Predict
 from .proposal import Proposal
 from .questions import ENOUGH, Cause, Question, beyond_motion, cause_of, open_findings, questions_of
-from .standing import Standing
+from .setting import bounds_of, predict_of
 from .weigh import Weigher
-
-SHORTEST = 5.0
-"""Of a motion [s]: less leaves no room to go somewhere and back."""
+from .wishes import Wishes
 
 _RANDOM_TRIES = 20
-_EFFORT = 400  # motions that are looked at
-_SEARCH = 60.0  # that the search takes at most [s]
 
 
 class NothingToSettleError(ValueError):
     """A diagnosis lists no equivalents and is sure of all it found, or no motion would help."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Wishes:
-    """What a user may ask of a motion."""
-
-    seconds: float = 20.0
-    base: Literal["hang", "stand"] | None = None  # of one that floats; None: as it was recorded
-    rate: float = 100.0  # of the rows [Hz]
-    speed_share: float = 0.7
-    torque_share: float = 0.8
-    acceleration: float | None = None  # of every joint [rad/s^2]
-    max_speed: float | None = None  # of joints whose description has none [rad/s]
-    max_torque: float | None = None  # [N m]
-    figures: bool = False  # of all joints, as exact as can be, instead of what is open
-    start: FloatArray | None = None  # (n,) None: where the first recording began
-    random: bool = False
-    seed: int = 0
-    effort: int = _EFFORT
-    search: float = _SEARCH  # [s]
-    study: File | None = None  # where it is now, if it was moved
-    clear: Callable[[tuple[str, ...], str, str | None], Clear | None] | None = None
-    """Makes what judges obstacles, of the joints, the robot's text and its tip."""
-
-    def __post_init__(self) -> None:
-        """Raises ValueError where a number is out of range."""
-        if not self.seconds >= SHORTEST:
-            raise ValueError(
-                f"{self.seconds:g} s is too short: a motion that starts and ends at rest needs"
-                f" {SHORTEST:g} s, and 20 s settle most"
-            )
-        if not 20.0 <= self.rate <= 2000.0:
-            raise ValueError(f"rate is {self.rate:g} Hz, expected 20 to 2000")
 
 
 def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None = None) -> Proposal:
@@ -110,45 +67,13 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         say("rivals", f"{len(questions)} questions", 0.1)
         causes = _causes(diagnosis, questions, prepared)
         predict = predict_of(prepared, causes, wishes.base)
-        bounds, notes = _bounds(predict, Weigher(prepared, questions, causes), wishes)
+        bounds, notes = bounds_of(predict, Weigher(prepared, questions, causes), wishes)
         _check_start(bounds)
         design = _found(bounds, wishes, say)
         if questions:
             _check_hope(questions, design)
         verdict = _judged(bounds.clear, design.run.path)
         return _proposal(bounds, design, verdict, wishes, unsettled, notes)
-
-
-def predict_of(
-    prepared: Prepared, causes: Sequence[Cause], base: Literal["hang", "stand"] | None
-) -> Predict:
-    """What predicts motions of a study's robot.
-
-    Args:
-        prepared: the study.
-        causes: that were found.
-        base: how one that floats is carried; None: as it was recorded, hanging if it ever was.
-
-    Raises:
-        ValueError: a base that is fixed was to hang or stand, or the robot has no feet to stand on.
-    """
-    floating, motions = prepared.study.base, prepared.fit.motions
-    if floating is None:
-        if base is not None:
-            raise ValueError(f"--base {base}: the base of this robot is fixed")
-        return Predict(prepared, causes)
-    held = [k for k, motion in enumerate(motions) if motion.setup.held]
-    stood = [k for k, motion in enumerate(motions) if not motion.setup.held]
-    if base is None:
-        base = "hang" if held else "stand"
-    if base == "hang":
-        return Predict(prepared, causes, like=(*held, 0)[0], held=True)
-    if not floating.feet or not stood:
-        raise ValueError(
-            "no motion of a standing robot is proposed: the study has no recording in which it"
-            " stands on feet that it names; hang the robot up and use --base hang"
-        )
-    return Standing(prepared, causes, like=stood[0])
 
 
 def _read(report: File) -> tuple[Diagnosis, Model]:
@@ -189,78 +114,6 @@ def _causes(
 
 def _name(finding: Finding) -> tuple[object, ...]:
     return finding.effect, finding.joints, finding.links, finding.positions, finding.variant
-
-
-def _bounds(predict: Predict, weigher: Weigher, wishes: Wishes) -> tuple[Bounds, tuple[str, ...]]:
-    """What a motion must hold, and what is said of it."""
-    study = predict.prepared.study
-    if study.robot is None:
-        raise ValueError("the study has no robot description, so no motion can be designed")
-    if not study.robot.is_file():
-        raise LoadError(f"the robot's description is not at {study.robot} any more")
-    start = predict.start if wishes.start is None else wishes.start
-    if start.shape != (len(study.joints),):
-        raise ValueError(f"start has {start.size} numbers, expected {len(study.joints)}")
-    whole = limits_of(
-        robot_text(study.robot),
-        study.joints,
-        start,
-        speed=wishes.max_speed,
-        torque=wishes.max_torque,
-    )
-    limits = whole.within(wishes.speed_share, wishes.torque_share, wishes.acceleration)
-    notes = []
-    outside = np.flatnonzero((start < limits.lower) | (start > limits.upper))
-    if len(outside):
-        limits = _reaching(limits, whole, start, outside, study.joints)
-        names = ", ".join(study.joints[j] for j in outside)
-        notes.append(f"{names}: starts nearer to a limit than a motion should come")
-    if predict.note:
-        notes.append(predict.note)
-    own = (place for question in weigher.questions for place in question.own.places)
-    asked = tuple(sorted({j for place in own for j in place.joints}))
-    frame = Frame(
-        limits=limits, start=start, duration=wishes.seconds, stuck=predict.stuck, asked=asked
-    )
-    bounds = Bounds(
-        weigher=weigher,
-        predict=predict,
-        limits=limits,
-        frame=predict.frame(frame),
-        clear=_clear(predict.prepared, wishes),
-    )
-    return bounds, tuple(notes)
-
-
-def _reaching(
-    limits: Limits,
-    whole: Limits,
-    start: FloatArray,
-    outside: NDArray[np.intp],
-    joints: tuple[str, ...],
-) -> Limits:
-    """Limits that a start near their end is within."""
-    for j in outside:
-        if not whole.lower[j] <= start[j] <= whole.upper[j]:
-            raise ValueError(
-                f"the motion would start with {joints[j]} at {start[j]:.3g}, outside of"
-                f" {whole.lower[j]:.3g} to {whole.upper[j]:.3g}: tell another start with --start"
-            )
-    lower, upper = np.minimum(limits.lower, start), np.maximum(limits.upper, start)
-    return Limits(
-        lower=lower,
-        upper=upper,
-        speed=limits.speed,
-        acceleration=limits.acceleration,
-        torque=limits.torque,
-    )
-
-
-def _clear(prepared: Prepared, wishes: Wishes) -> Clear | None:
-    study = prepared.study
-    if wishes.clear is None or study.robot is None:
-        return None
-    return wishes.clear(study.joints, robot_text(study.robot), study.tip)
 
 
 def _check_start(bounds: Bounds) -> None:

@@ -72,7 +72,8 @@ class Standing(Predict):
     @cached_property
     def _legs(self) -> np.ndarray:
         """Joints (n,) that move a foot."""
-        return np.any(self._feet(self.start[None])[1][0] != 0.0, axis=(0, 1))
+        jacobian = self._feet(self.start[None])[1][0]
+        return np.asarray(np.any(jacobian != 0.0, axis=(0, 1)))
 
     def frame(self, frame: Frame) -> Frame:
         """Postures of the base, then the joints beyond the legs."""
