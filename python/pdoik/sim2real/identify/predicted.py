@@ -36,7 +36,7 @@ from .hypothesis import Hypothesis
 from .linearisation import Linearisation
 from .model import Model, unexplained
 from .pool import Pool
-from .support import acting, machines_with
+from .support import TRUSTED, acting, machines_with
 from .weighing import Weighing
 
 Contribution = Mapping[Key, FloatArray]
@@ -271,6 +271,8 @@ def expected(
         precision: inverse variance of the amount before any data.
         limits: of the diagnosis.
     """
+    kept = [each for each in model.hypotheses if each.term.effect not in TRUSTED]
+    firm = remainder(Model(model.data, kept, model), contribution)
     left, parts, shown, hidden = remainder(model, contribution), [], 0.0, 0.0
     for key, rest in left.rows.items():
         series, variance = model.data.series[key], model.noise[key]
@@ -281,7 +283,8 @@ def expected(
         parts.append(Part(rows=series.independent, information=information, size=size))
         if values.any():
             at = acting(values[:, None])
-            shown += float(rest[at] @ rest[at]) / variance
+            seen = firm.rows[key][at]
+            shown += float(seen @ seen) / variance
             hidden += float(at.sum()) * nothing / variance
     return Expected(
         parts=tuple(parts),

@@ -19,7 +19,9 @@ from ..thresholds.diagnosis import DiagnosisThresholds
 from .model import LEAST_OWN, unexplained
 from .ordinary import OF_JOINTS, days_of
 
-_TRUSTED = (TRUST, Tolerance.id, TorqueGain.id)
+TRUSTED = (TRUST, Tolerance.id, TorqueGain.id)
+"""What no cause is made up for by: how far it is off is in the cause's odds."""
+
 _ACTS = 0.05  # of a column's mean square, from which a row counts as one where it acts
 
 
@@ -98,7 +100,7 @@ def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
     b, kept = fit.balances, []
     left = {key: b.residual[key].copy() for key in fit.design}
     for term, beta in fit.weighted:
-        if term.effect not in _TRUSTED or any(term is each for each in peculiar):
+        if term.effect not in TRUSTED or any(term is each for each in peculiar):
             kept.append(term)
             continue
         for key, column in term.columns.items():
