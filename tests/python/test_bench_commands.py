@@ -36,6 +36,7 @@ SMALL = {  # what no other test runs
     "bench.sim2real.proof.peers_run": "--quick --out {out} --workers 1",
     "bench.sim2real.propose": "--quick --out {out}",
     "bench.sim2real.simulators.sealed": "--out {out} --seed 3 --count 1",
+    "bench.sim2real.propose.legged": "--quick --out {out}",
 }
 
 

@@ -24,7 +24,7 @@ from pdoik.sim2real.identify.identify import identify
 from pdoik.sim2real.motion.balances import Balances
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.prepare import Prepared, prepare
-from pdoik.sim2real.regression.background import background, friction_at, without_its_like
+from pdoik.sim2real.regression.background import background, friction_at
 from pdoik.sim2real.regression.fit import Fit, Term, term_of
 from sim2real_identified import named
 
@@ -88,17 +88,6 @@ def test_friction_that_differs_between_directions_is_named_only_where_it_is_stro
         assert (ONE_WAY.id, (0,)) in named(found) | listed
     else:
         assert all(effect != ONE_WAY.id for effect, _ in named(found))
-
-
-def test_the_background_without_a_kind_is_without_it_at_one_joint(machine: Prepared) -> None:
-    _, terms = background(machine.fit)
-    believed = machine.fit.thresholds
-    fewer = without_its_like(terms, term(machine.fit, ONE_WAY.id, 1), believed)
-    assert len(fewer) == len(terms) - 1
-    (rest,) = (t for t in fewer if t not in terms)
-    assert rest.place.joints == (1,)
-    shape = SPRING.shapes(machine.fit.motions, Place(joints=(1,)))[0]
-    assert without_its_like(terms, term(machine.fit, SPRING.id, 1, shape), believed) == terms
 
 
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.9])

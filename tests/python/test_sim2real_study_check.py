@@ -16,12 +16,11 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from command_line import run
 from pdoik.sim2real import CATALOGUE, Study, StudyCheck, check_study, load_study, prepare
+from pdoik.sim2real.identify.predicted import all_else, recorded, remainder
 from pdoik.sim2real.motion.place import Place
 from pdoik.sim2real.motion.rigid_body import RigidBody
 from pdoik.sim2real.motion.signals import zero_phase
 from pdoik.sim2real.regression.fit import Fit, term_of
-from pdoik.sim2real.study_check.beside import Beside, Noise
-from pdoik.sim2real.study_check.sight import Asks, sight_of
 from sim2real_effect_studies import rubbing, study
 from sim2real_motions import write_arm
 from sim2real_recordings import even_recording
@@ -62,21 +61,9 @@ def white(seed: int, count: int = 12000) -> np.ndarray:
 def error_of_coulomb(made: Study) -> float:
     """The standard error of a level, beside viscous friction, offset and rotor."""
     b = prepare(made).fit
-    others = [
-        term
-        for name in SIMPLE
-        if (term := term_of(b, CATALOGUE[name], HERE, _shape(name, b))) is not None
-    ]
+    model = all_else(recorded(b, 0.0), ("coulomb_friction", (HERE,)), ("torque_gain", (HERE,)))
     column = b.columns(CATALOGUE["coulomb_friction"], HERE, (0.0,))
-    simple = Beside(b, others)
-    sight = sight_of(
-        {key: values[:, 0] for key, values in column.items()},
-        Asks(width=1, least_of_rest=0.0, price=None),
-        simple,
-        Noise(flexible=simple),
-        None,
-    )
-    return sight.error
+    return remainder(model, {key: values[:, 0] for key, values in column.items()}).error
 
 
 def _shape(name: str, b) -> tuple[float, ...]:
@@ -92,7 +79,8 @@ def test_in_white_noise_a_level_has_the_error_of_plain_least_squares(tmp_path: P
     ddq = np.gradient(dq, PERIOD)
     A = np.column_stack([np.sign(dq), dq, ddq, np.ones_like(dq)])[moving < 0.5]
     expected = NOISE * np.sqrt(np.linalg.inv(A.T @ A)[0, 0])
-    assert error_of_coulomb(made) == pytest.approx(expected, rel=0.15)
+    # A floor of noise supposes a sharp filter, and rows that say the same do not.
+    assert error_of_coulomb(made) == pytest.approx(1.1 * expected, rel=0.1)
 
 
 def test_in_coloured_noise_a_level_scatters_by_its_error(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from pdoik.sim2real.propose import Proposal
     from pdoik.sim2real.propose.clear import Clear
 
+Base = StrEnum("Base", {"hang": "hang", "stand": "stand"})
 NOTHING = 3  # exit status where there is nothing to settle
 _DEFAULTS = pdoik.Options()
 _LIMITS = "Limits"  # panel
@@ -51,6 +53,16 @@ def propose(
         str | None,
         typer.Option(help="Pose to start and end in; the first recording's start otherwise."),
     ] = None,
+    base: Annotated[
+        Base | None,
+        typer.Option(help="How a base that floats is carried; as it was recorded otherwise."),
+    ] = None,
+    figures: Annotated[
+        bool,
+        typer.Option(
+            "--figures", help="By which all joints' figures are known best, not findings."
+        ),
+    ] = False,
     random: Annotated[
         bool, typer.Option("--random", help="A random motion within the same limits, to compare.")
     ] = False,
@@ -107,10 +119,12 @@ def propose(
 
     Where a finding lists equivalents, or is less sure than 0.9, the motion along which these
     predict torques as different as can be, from rest to rest, within limits of position, speed,
-    acceleration and torque. With hulls (--occupancy, or --robot panda) it keeps off the points of
-    --cloud and the shapes of --scene, and, with an SRDF, off the robot itself. A scene may have the
-    robot, which is left out. Without hulls only limits are kept, and that is said. The CSV has
-    time, q_des.<joint> and dq_des.<joint>; pdoik view replays it.
+    acceleration and torque. A base that floats hangs, or stands on its feet: then the motion is
+    small and slow, and was run in MuJoCo with the study's gains. With hulls (--occupancy, or
+    --robot panda) it keeps off the points of --cloud and the shapes of --scene, and, with an SRDF,
+    off the robot itself. A scene may have the robot, which is left out. Without hulls only limits
+    are kept, and that is said. The CSV has time, q_des.<joint> and dq_des.<joint>; pdoik view
+    replays it.
 
     Exit status: 0 a motion was written, 3 there is nothing to settle, 2 something cannot be read.
 
@@ -118,9 +132,8 @@ def propose(
     """
     _check(report, output)
     with asks_for("sim2real"), misuse_fails():
-        from pdoik.sim2real.propose import NothingToSettleError
+        from pdoik.sim2real.propose import NothingToSettleError, Wishes
         from pdoik.sim2real.propose import propose as proposed
-        from pdoik.sim2real.propose.propose import Wishes
 
         check_files(cloud, scene)
         options = pdoik.Options(clearance=clearance, self_clearance=margin, base_collision=False)
@@ -145,6 +158,8 @@ def propose(
             acceleration=acceleration,
             max_speed=max_speed,
             max_torque=max_torque,
+            base=None if base is None else base.value,
+            figures=figures,
             start=None if start is None else _numbers(start),
             random=random,
             seed=seed,
@@ -243,6 +258,14 @@ def _print(proposal: Proposal, report: Path, output: Path, robot: str | None) ->
                 f"    against {escape(rival.rival)}: log likelihood ratio"
                 f" {_ratio(rival.if_own)} if it is this, {_ratio(rival.if_rival)} if that"
             )
+    if proposal.figures:
+        by = np.exp(np.median([each.gain for each in proposal.figures]))
+        worst = min(proposal.figures, key=lambda each: each.gain)
+        _say(
+            f"errors of {len(proposal.figures)} figures of the joints: {by:.1f} times smaller"
+            f" (median), of {worst.effect.replace('_', ' ')} at {escape(worst.joint)}"
+            f" {np.exp(worst.gain):.1f} times"
+        )
     for said in proposal.unsettled:
         _say(f"no motion settles {escape(said)}")
     parts = ", ".join(f"{name} {100 * share:.0f} %" for name, share in proposal.used.items())

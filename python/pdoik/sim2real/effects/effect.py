@@ -92,7 +92,6 @@ class Effect(ABC):
     costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
     gated: ClassVar[bool] = False  # may act in a part of the time or of the positions only
-    in_background: ClassVar[bool] = False  # of a joint's torque, as every machine has it
     ordinary: ClassVar[bool] = False  # every machine's joints may have some: weighed as a set
     of_floating_base: ClassVar[bool] = False  # nothing that stands fixed can show it
     together: ClassVar[bool] = False  # its joints are one place, not one each

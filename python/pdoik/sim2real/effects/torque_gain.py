@@ -21,7 +21,6 @@ class TorqueGain(TorqueChannel):
 
     id = "torque_gain"
     family = "torque"
-    in_background = True
     on = "joint"
     odds = 0.03
     equation = "tau_reported = k tau"

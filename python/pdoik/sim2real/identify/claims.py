@@ -16,21 +16,19 @@ import numpy as np
 from ..effects import CATALOGUE
 from ..effects.inertial import LinkInertials
 from ..effects.torque_gain import TorqueGain
-from ..findings import ERRORS, HadBy, Support
+from ..findings import ERRORS, Support
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term, TermKey, term_of
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import DAYS, TRUST
-from ..thresholds.diagnosis import DiagnosisThresholds
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Weighed
 from .model import Model
-from .ordinary import OF_JOINTS
 from .pool import Scored
 from .posterior import Posterior
 from .rivals import in_place_of, judged
-from .support import as_trusted, held_out_support
+from .support import as_trusted, held_out_support, machines_with
 from .weighing import State
 
 _UNNAMED = (DAYS, Tolerance.id)
@@ -81,7 +79,7 @@ class _Claims:
         for own, others in weighed:
             hypothesis, odds = own.hypothesis, own.log_odds
             term = hypothesis.term
-            had_by = _had_by(term, believed)
+            had_by = machines_with(term, believed)
             seen = held_out_support(fit, self.start, term, odds, len(others), everything, had_by)
             least = believed.matters_common if had_by == "many" else believed.matters_more
             likely = odds >= believed.worth and seen.size > least
@@ -182,15 +180,6 @@ class _Claims:
             ordinary=tuple(self.parts),
             doubtful=tuple(self.doubtful),
         )
-
-
-def _had_by(term: Term, believed: DiagnosisThresholds) -> HadBy:
-    """Whether few machines have a cause, many, or every one to some degree."""
-    if term.place.gate is not None:
-        return "few"
-    if term.effect in (*OF_JOINTS, LinkInertials.id):
-        return "all"
-    return "many" if CATALOGUE[term.effect].odds >= believed.common else "few"
 
 
 def _may_be_nothing(model: Model, hypothesis: Hypothesis) -> bool:

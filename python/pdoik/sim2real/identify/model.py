@@ -46,6 +46,7 @@ class Model:
         hypotheses: Sequence[Hypothesis],
         like: Model | None = None,
         rounds: int = _ROUNDS,
+        noise: Mapping[Key, float] | None = None,
     ) -> None:
         """Fits at once.
 
@@ -54,8 +55,12 @@ class Model:
             hypotheses: all that is in the model.
             like: a model like it, of the same data, whose noise and bounds it begins with.
             rounds: of coefficients and noise in turn, at most.
+            noise: variance of each balance's rows where that is known; as in `like` if None.
         """
         self.data = data
+        self._known: Mapping[Key, float] | None = noise
+        if noise is None and like is not None:
+            self._known = like._known
         self.hypotheses = tuple(hypotheses)
         ends = np.cumsum([0, *(each.width for each in self.hypotheses)])
         spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
@@ -107,6 +112,10 @@ class Model:
                 self.index[key] = np.zeros(0, np.intp), np.zeros(0, np.intp)
 
     def _settle(self, noise: Mapping[Key, float], rounds: int) -> None:
+        if self._known is not None:
+            self.noise = dict(self._known)
+            self._solve()
+            return
         for key, series in self.data.series.items():
             first = max(series.square / len(series.rows), series.floor**2)
             self.noise[key] = noise.get(key, first)
@@ -153,10 +162,16 @@ class Model:
         scale = 1.0 / np.sqrt(np.diag(gram)[at])
         even = gram[np.ix_(at, at)] * np.outer(scale, scale) + _TRACE * np.eye(len(at))
         self._scale, self._factor = scale, linalg.cholesky(even, lower=True)
-        beta = np.zeros(self.size)
+        return self.solved(moment)
+
+    def solved(self, right: FloatArray) -> FloatArray:
+        """Coefficients of another right side than that of the targets, (size,)."""
+        at, taken = np.flatnonzero(self.active), np.zeros(self.size)
         if len(at):
-            beta[at] = scale * linalg.cho_solve((self._factor, True), scale * moment[at])
-        return beta
+            taken[at] = self._scale * linalg.cho_solve(
+                (self._factor, True), self._scale * right[at]
+            )
+        return taken
 
     def left(self, key: Key) -> FloatArray:
         """What is left of a balance, (N,) on its rows that count."""

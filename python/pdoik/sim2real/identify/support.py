@@ -9,15 +9,20 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
+from ..effects import CATALOGUE
+from ..effects.inertial import LinkInertials
 from ..effects.torque_gain import TorqueGain
 from ..findings import HadBy, Support
 from ..regression.fit import Fit, Term
 from ..regression.tolerances import Tolerance
 from ..regression.trusted_bodies import TRUST
+from ..thresholds.diagnosis import DiagnosisThresholds
 from .model import LEAST_OWN, unexplained
-from .ordinary import days_of
+from .ordinary import OF_JOINTS, days_of
 
-_TRUSTED = (TRUST, Tolerance.id, TorqueGain.id)
+TRUSTED = (TRUST, Tolerance.id, TorqueGain.id)
+"""What no cause is made up for by: how far it is off is in the cause's odds."""
+
 _ACTS = 0.05  # of a column's mean square, from which a row counts as one where it acts
 
 
@@ -96,7 +101,7 @@ def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
     b, kept = fit.balances, []
     left = {key: b.residual[key].copy() for key in fit.design}
     for term, beta in fit.weighted:
-        if term.effect not in _TRUSTED or any(term is each for each in peculiar):
+        if term.effect not in TRUSTED or any(term is each for each in peculiar):
             kept.append(term)
             continue
         for key, column in term.columns.items():
@@ -152,3 +157,12 @@ def acting(column: FloatArray) -> NDArray[np.bool_]:
     scale = np.sqrt(np.mean(column**2, axis=0)) + 1e-300
     energy = np.sum((column / scale) ** 2, axis=1)
     return np.asarray(energy > _ACTS * energy.mean())
+
+
+def machines_with(term: Term, believed: DiagnosisThresholds) -> HadBy:
+    """Whether few machines have a cause, many, or every one to some degree."""
+    if term.place.gate is not None:
+        return "few"
+    if term.effect in (*OF_JOINTS, LinkInertials.id):
+        return "all"
+    return "many" if CATALOGUE[term.effect].odds >= believed.common else "few"

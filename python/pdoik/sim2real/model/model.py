@@ -168,7 +168,7 @@ class Model:
         if self.base is not None:
             raise ValueError(
                 f"the base of this model, link {self.base!r}, floats: it can be diagnosed, but not"
-                " simulated, predicted, watched or moved yet; improved.xml and improved.urdf have"
+                " simulated, predicted or watched yet; improved.xml and improved.urdf have"
                 " what was found for a simulator of your own"
             )
         return self

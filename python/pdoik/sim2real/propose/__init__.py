@@ -6,11 +6,14 @@ be, and the confidence to expect after it. It is run, logged, added to the study
 """
 
 from .expected import Prospect
+from .figures import Figure
 from .limits import Limits, limits_of
 from .proposal import Proposal
-from .propose import NothingToSettleError, Wishes, propose
+from .propose import NothingToSettleError, propose
+from .wishes import Wishes
 
 __all__ = [
+    "Figure",
     "Limits",
     "NothingToSettleError",
     "Proposal",

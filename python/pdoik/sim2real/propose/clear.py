@@ -104,19 +104,20 @@ class Clear:
             path: of the study's joints.
             start: (n,) a clear configuration.
         """
-        if not self._is_near(path):
+        if not self.is_near(path):
             return path
         led = self._led(path)
-        if not self._is_near(led):
+        if not self.is_near(led):
             return led
         low, high = 0.0, 1.0
         for _ in range(5):
             middle = 0.5 * (low + high)
-            near = self._is_near(path.toward(start, middle))
+            near = self.is_near(path.toward(start, middle))
             low, high = (low, middle) if near else (middle, high)
         return path.toward(start, low)
 
-    def _is_near(self, path: Path) -> bool:
+    def is_near(self, path: Path) -> bool:
+        """Whether a path comes nearer than is wanted, at samples."""
         every = max(1, round(_LOOK / STEP))
         margin = 0.5 * self.travel(path, _LOOK)
         return self._nearest(path.q[::every], path.time[::every]).short(margin)

@@ -8,18 +8,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pdoik.recordings import FloatArray
-
 from .clear import Clear
 from .excitation import Frame, Recipe, changed, first_recipes, motion_of, random_recipe
 from .expected import Pair, Prospect, hopeless_of
+from .figures import Figure, known_better
+from .limits import Limits
 from .path import Path
+from .predict import Predict, Run
 from .weigh import Weigher
 
 _FIRST = 0.4  # of the effort, for recipes at random
 _KEPT = 4  # recipes that are changed
 _CLOSER = 3  # of the best that are looked at with what is costly
 _SHRINKS = 6
+_FELL = 1.3  # excess of a motion that is not possible at all
 
 Say = Callable[[str, float], None]
 
@@ -28,8 +30,10 @@ Say = Callable[[str, float], None]
 class Design:
     """A motion and what it is expected to settle."""
 
-    path: Path
+    drawn: Path  # in the coordinates that motions are drawn in
+    run: Run
     prospects: tuple[Prospect, ...]
+    figures: tuple[Figure, ...] = ()  # of all joints, where these are what is asked
     looked_at: int = 1  # motions
     hopeless: frozenset[Pair] = frozenset()  # pairs that none of these tells apart
 
@@ -39,22 +43,34 @@ class Bounds:
     """What every motion must hold, and how a motion is made to."""
 
     weigher: Weigher
-    frame: Frame
+    predict: Predict
+    limits: Limits  # of the joints, to design within
+    frame: Frame  # that motions are drawn in
     clear: Clear | None
 
-    def made(self, path: Path, *, costly: bool = False) -> Design | None:
+    def made(self, drawn: Path, *, costly: bool = False) -> Design | None:
         """A path within all limits, weighed; None where shrinking does not help."""
-        if self.clear is not None:
-            path = self.clear.fitted(path, self.frame.start)
-        foretold, limits = self.weigher.foretold, self.frame.limits
+        if self.clear is not None and self.predict.may_be_led:
+            drawn = self.clear.fitted(drawn, self.frame.start)
         for _ in range(_SHRINKS):
-            balances = foretold.balances(path)
-            excess = limits.excess(path, foretold.torque(balances))
-            if excess <= 1.0:
-                prospects = self.weigher.prospects_of(balances, costly=costly)
-                return Design(path=path, prospects=prospects)
-            path = path.toward(self.frame.start, max(0.5, 0.9 / excess))
+            run = self.predict.run(drawn)
+            excess = self._excess(run)
+            if excess <= 1.0 and run.balances is not None:
+                if not self.weigher.questions:
+                    known = self.weigher.figures(run.balances)
+                    return Design(drawn=drawn, run=run, prospects=(), figures=known)
+                prospects = self.weigher.prospects(run.balances, costly=costly)
+                return Design(drawn=drawn, run=run, prospects=prospects)
+            drawn = drawn.toward(self.frame.start, max(0.5, 0.9 / excess))
         return None
+
+    def _excess(self, run: Run) -> float:
+        """Largest part of what it may be of anything; more than 1 where the robot would fall."""
+        if run.balances is None:
+            return _FELL
+        if self.clear is not None and not self.predict.may_be_led and self.clear.is_near(run.path):
+            return _FELL
+        return self.limits.excess(run.path, run.torque)
 
 
 def designed(
@@ -88,7 +104,7 @@ def designed(
     looked = [
         found
         for _, _, made in ranking.best[:_CLOSER]
-        if (found := bounds.made(made.path, costly=True))
+        if (found := bounds.made(made.drawn, costly=True))
     ]
     if not looked:
         return None
@@ -109,6 +125,8 @@ class _Ranking:
 
     def score(self, design: Design) -> float:
         """Of one."""
+        if not self.weigher.questions:
+            return known_better(design.figures)
         return self.weigher.score(design.prospects, self.hopeless)
 
     def add(self, recipe: Recipe, design: Design, *, first: bool) -> bool:
@@ -134,8 +152,3 @@ class _Ranking:
     def still_listed(self) -> frozenset[Pair]:
         """Pairs that the diagnosis would list side by side after each of these motions, too."""
         return frozenset(pair for pair, clear in self.clearest.items() if clear <= 1.0)
-
-
-def start_of(recorded: FloatArray) -> FloatArray:
-    """Where the first recording began: a pose that the robot is known to reach."""
-    return np.asarray(recorded[0], dtype=np.float64)

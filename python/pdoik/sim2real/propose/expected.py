@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,11 +15,6 @@ Pair = tuple[str, str]  # a finding and its rival, in words
 
 NOTHING = 1.0
 """Log likelihood ratio that tells nothing."""
-
-_ENOUGH = 1.5  # clarity from which more is not sought
-_NO_SUPPORT = Support(
-    weight=0.0, gain=0.0, t=0.0, size=0.0, agree=0, sessions=0, blocks=0, left=0.0, rivals=0
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,13 +29,17 @@ class Rivalry:
     listed: bool  # by the diagnosis as explaining the same
     if_own: float  # ratio where the finding is true
     if_rival: float  # ratio where the rival is true; inf where its figures are not known
-    share: float  # of what either adds that the other cannot explain, the less of the two
-    clear: float  # times what is asked of a name, so that the diagnosis lists the other no more
+    level: float  # log odds within which the diagnosis lists the other beside the true one
 
     @property
     def ratio(self) -> float:
         """The less of the two."""
         return min(self.if_own, self.if_rival)
+
+    @property
+    def clear(self) -> float:
+        """Times what is asked of a name, so that the diagnosis lists the other no more."""
+        return self.ratio / self.level
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,16 +64,15 @@ def clarity(
 ) -> tuple[float, float]:
     """How far a motion settles a finding: 1 for just so, the least and the mean of its parts.
 
-    What is only often confused with the finding counts in the mean, and what no motion tells from
-    it counts nowhere.
+    What is more than enough counts by its logarithm. What is only often confused with the finding
+    counts in the mean, and what no motion tells from it counts nowhere.
     """
     asked = limits.propose
     seen = _odds(prospect.gain) / _odds(asked.gain)
     told = [each for each in prospect.rivalries if (prospect.finding, each.rival) not in hopeless]
-    parts = [min(np.sqrt(each.ratio / asked.decisive), each.clear / asked.clear) for each in told]
-    listed = [part for part, each in zip(parts, told, strict=True) if each.listed]
-    least, mean = min([seen, *listed]), np.mean(np.minimum([seen, *parts], _ENOUGH))
-    return float(min(least, _ENOUGH)), float(mean)
+    parts = np.log2(1.0 + np.array([seen, *(each.ratio / asked.decisive for each in told)]))
+    listed = np.array([True, *(each.listed for each in told)])
+    return float(parts[listed].min()), float(parts.mean())
 
 
 def hopeless_of(motions: Sequence[tuple[Prospect, ...]]) -> frozenset[Pair]:
@@ -88,18 +86,20 @@ def hopeless_of(motions: Sequence[tuple[Prospect, ...]]) -> frozenset[Pair]:
     return frozenset(pair for pair, ratio in best.items() if ratio < NOTHING)
 
 
-def expected_confidence(gain: float, rivalries: tuple[Rivalry, ...], limits: Thresholds) -> float:
-    """Of a name: of what is there by its gain, times the odds against every other name.
+def expected_confidence(
+    support: Support | None, rivalries: tuple[Rivalry, ...], limits: Thresholds
+) -> float:
+    """Of a name: that it is there, times the odds against every other name.
 
     Ratios are held to fall short by `propose.doubt` of their standard deviations: a log ratio of
     mean m has a variance of 2 m. A rival that stays level counts as likely as the finding.
     """
     odds = 0.0
     for each in rivalries:
-        level = each.clear <= 1.0
         careful = max(each.ratio - limits.propose.doubt * np.sqrt(2.0 * each.ratio), 0.0)
+        level = careful <= each.level
         odds += 1.0 if level and each.listed else float(np.exp(-min(careful, 500.0)))
-    there = confidence_of(limits, replace(_NO_SUPPORT, gain=gain))
+    there = 0.0 if support is None else confidence_of(limits, support)
     return float(there / (1.0 + odds))
 
 

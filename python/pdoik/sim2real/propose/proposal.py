@@ -16,6 +16,7 @@ from pdoik.recordings import FloatArray
 
 from .clear import Verdict
 from .expected import Pair, Prospect
+from .figures import Figure
 
 SCHEMA = "pdoik.proposal/1"
 
@@ -34,6 +35,7 @@ class Proposal:
     torque: FloatArray  # that it is expected to need [N m], at the search's own steps
     used: dict[str, float]  # largest share of the limits of position, speed, acceleration, torque
     prospects: tuple[Prospect, ...]
+    figures: tuple[Figure, ...]  # of all joints, where these were asked for
     unsettled: tuple[str, ...]  # what no motion settles, in words
     hopeless: frozenset[Pair]  # findings and what is listed beside them, alike in every motion
     verdict: Verdict | None  # of obstacles and the robot itself; None: only limits were kept
@@ -63,6 +65,7 @@ class Proposal:
             "used": self.used,
             "clear": None if self.verdict is None else _finite(asdict(self.verdict)),
             "expected": [_finite(asdict(each)) for each in self.prospects],
+            "figures": [asdict(each) for each in self.figures],
             "unsettled": list(self.unsettled),
             "hopeless": sorted(map(list, self.hopeless)),
             "notes": list(self.notes),

@@ -2,74 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path as File
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pdoik.errors import LoadError
-from pdoik.recordings import FloatArray
 
 from ..diagnose import Tell, made_ready
 from ..evidence.files import DIAGNOSIS
 from ..findings import Diagnosis, Finding
-from ..model.model import FILE_NAME, Model, load_model, robot_text
+from ..model.model import FILE_NAME, Model, load_model
 from ..motion.prepare import Prepared
 from ..study.read_study import load_study
 from .clear import Clear, Verdict
-from .design import Bounds, Design, designed, start_of
-from .excitation import Frame, random_motion
+from .design import Bounds, Design, designed
+from .excitation import random_motion
 from .expected import Pair
-from .limits import Limits, limits_of
 from .path import Path
 from .proposal import Proposal
 from .questions import ENOUGH, Cause, Question, beyond_motion, cause_of, open_findings, questions_of
+from .setting import bounds_of, predict_of
 from .weigh import Weigher
-
-SHORTEST = 5.0
-"""Of a motion [s]: less leaves no room to go somewhere and back."""
+from .wishes import Wishes
 
 _RANDOM_TRIES = 20
-_EFFORT = 400  # motions that are looked at
-_SEARCH = 60.0  # that the search takes at most [s]
 
 
 class NothingToSettleError(ValueError):
     """A diagnosis lists no equivalents and is sure of all it found, or no motion would help."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Wishes:
-    """What a user may ask of a motion."""
-
-    seconds: float = 20.0
-    rate: float = 100.0  # of the rows [Hz]
-    speed_share: float = 0.7
-    torque_share: float = 0.8
-    acceleration: float | None = None  # of every joint [rad/s^2]
-    max_speed: float | None = None  # of joints whose description has none [rad/s]
-    max_torque: float | None = None  # [N m]
-    start: FloatArray | None = None  # (n,) None: where the first recording began
-    random: bool = False
-    seed: int = 0
-    effort: int = _EFFORT
-    search: float = _SEARCH  # [s]
-    study: File | None = None  # where it is now, if it was moved
-    clear: Callable[[tuple[str, ...], str, str | None], Clear | None] | None = None
-    """Makes what judges obstacles, of the joints, the robot's text and its tip."""
-
-    def __post_init__(self) -> None:
-        """Raises ValueError where a number is out of range."""
-        if not self.seconds >= SHORTEST:
-            raise ValueError(
-                f"{self.seconds:g} s is too short: a motion that starts and ends at rest needs"
-                f" {SHORTEST:g} s, and 20 s settle most"
-            )
-        if not 20.0 <= self.rate <= 2000.0:
-            raise ValueError(f"rate is {self.rate:g} Hz, expected 20 to 2000")
 
 
 def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None = None) -> Proposal:
@@ -83,19 +45,19 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
     Raises:
         NothingToSettleError: no motion is needed, or none would help.
         LoadError: a file of the report, or the study, is not there or is not what it should be.
-        ValueError: limits are missing, the start breaks them, or the robot's base floats.
+        ValueError: limits are missing, the start breaks them, or it cannot be said whether a robot
+            that stands would stay up.
     """
     wishes, say = wishes or Wishes(), tell or (lambda stage, text, share: None)
     diagnosis, model = _read(File(report))
-    model = model.of_fixed_base
-    findings = open_findings(diagnosis)
+    findings = () if wishes.figures else open_findings(diagnosis)
     unsettled = tuple(said for each in findings if (said := beyond_motion(each)))
-    if not findings:
+    if not findings and not wishes.figures:
         raise NothingToSettleError(
             "there is nothing to settle: every finding has a confidence of 0.9 or more and no"
-            " equivalents"
+            " equivalents; with --figures the motion is by which all joints' figures are known best"
         )
-    if len(unsettled) == len(findings):
+    if findings and len(unsettled) == len(findings):
         raise NothingToSettleError(f"no motion would settle what is open: {'; '.join(unsettled)}")
     study = load_study(_study_file(model, wishes))
     with threadpool_limits(limits=1, user_api="blas"):
@@ -103,14 +65,14 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         prepared = ready.prepared
         questions = questions_of(findings, prepared)
         say("rivals", f"{len(questions)} questions", 0.1)
-        weigher = Weigher(prepared, questions, _causes(diagnosis, questions, prepared))
-        frame, notes = _frame(prepared, questions, wishes, weigher.foretold.stuck)
-        clear = _clear(prepared, wishes)
-        bounds = Bounds(weigher=weigher, frame=frame, clear=clear)
+        causes = _causes(diagnosis, questions, prepared)
+        predict = predict_of(prepared, causes, wishes.base)
+        bounds, notes = bounds_of(predict, Weigher(prepared, questions, causes), wishes)
         _check_start(bounds)
         design = _found(bounds, wishes, say)
-        _check_hope(questions, design)
-        verdict = _judged(clear, design.path)
+        if questions:
+            _check_hope(questions, design)
+        verdict = _judged(bounds.clear, design.run.path)
         return _proposal(bounds, design, verdict, wishes, unsettled, notes)
 
 
@@ -154,79 +116,19 @@ def _name(finding: Finding) -> tuple[object, ...]:
     return finding.effect, finding.joints, finding.links, finding.positions, finding.variant
 
 
-def _frame(
-    prepared: Prepared, questions: tuple[Question, ...], wishes: Wishes, stuck: FloatArray
-) -> tuple[Frame, tuple[str, ...]]:
-    study = prepared.study
-    if study.robot is None:
-        raise ValueError("the study has no robot description, so no motion can be designed")
-    if not study.robot.is_file():
-        raise LoadError(f"the robot's description is not at {study.robot} any more")
-    start = start_of(study.recordings[0].q) if wishes.start is None else wishes.start
-    if start.shape != (len(study.joints),):
-        raise ValueError(f"start has {start.size} numbers, expected {len(study.joints)}")
-    whole = limits_of(
-        robot_text(study.robot),
-        study.joints,
-        start,
-        speed=wishes.max_speed,
-        torque=wishes.max_torque,
-    )
-    limits = whole.within(wishes.speed_share, wishes.torque_share, wishes.acceleration)
-    notes = []
-    outside = np.flatnonzero((start < limits.lower) | (start > limits.upper))
-    if len(outside):
-        limits = _reaching(limits, whole, start, outside, study.joints)
-        names = ", ".join(study.joints[j] for j in outside)
-        notes.append(f"{names}: starts nearer to a limit than a motion should come")
-    asked = tuple(sorted({j for q in questions for place in q.own.places for j in place.joints}))
-    frame = Frame(limits=limits, start=start, duration=wishes.seconds, stuck=stuck, asked=asked)
-    return frame, tuple(notes)
-
-
-def _reaching(
-    limits: Limits,
-    whole: Limits,
-    start: FloatArray,
-    outside: NDArray[np.intp],
-    joints: tuple[str, ...],
-) -> Limits:
-    """Limits that a start near their end is within."""
-    for j in outside:
-        if not whole.lower[j] <= start[j] <= whole.upper[j]:
-            raise ValueError(
-                f"the motion would start with {joints[j]} at {start[j]:.3g}, outside of"
-                f" {whole.lower[j]:.3g} to {whole.upper[j]:.3g}: tell another start with --start"
-            )
-    lower, upper = np.minimum(limits.lower, start), np.maximum(limits.upper, start)
-    return Limits(
-        lower=lower,
-        upper=upper,
-        speed=limits.speed,
-        acceleration=limits.acceleration,
-        torque=limits.torque,
-    )
-
-
-def _clear(prepared: Prepared, wishes: Wishes) -> Clear | None:
-    study = prepared.study
-    if wishes.clear is None or study.robot is None:
-        return None
-    return wishes.clear(study.joints, robot_text(study.robot), study.tip)
-
-
 def _check_start(bounds: Bounds) -> None:
     """The start must be a place to be."""
-    frame, foretold = bounds.frame, bounds.weigher.foretold
-    load = np.abs(foretold.body.gravity(frame.start[None])[0]) / frame.limits.torque
+    predict = bounds.predict
+    start = bounds.frame.start if predict.may_be_led else predict.start
+    load = np.abs(predict.load(start)) / bounds.limits.torque
     j = int(np.argmax(load))
     if load[j] > 1.0:
         raise ValueError(
-            f"{foretold.prepared.study.joints[j]} needs more torque to stand at the start than the"
+            f"{predict.prepared.study.joints[j]} needs more torque to stand at the start than the"
             " limits allow: tell another start with --start"
         )
     if bounds.clear is not None:
-        there = bounds.clear.at(frame.start)
+        there = bounds.clear.at(start)
         if there.short():
             raise ValueError(
                 f"the start is not clear ({there.worst}): tell another with --start, or take what"
@@ -251,6 +153,12 @@ def _found(bounds: Bounds, wishes: Wishes, say: Tell) -> Design:
         )
         if best is not None:
             return best
+    if not bounds.predict.may_be_led:
+        raise ValueError(
+            "no motion of the standing robot is proposed: in MuJoCo, with the study's gains, it"
+            " comes off its feet or beyond its limits in each that was tried; hang the robot up and"
+            " use --base hang"
+        )
     raise ValueError(
         "no motion from this start holds all limits: tell another start with --start, or larger"
         " shares of the limits"
@@ -301,9 +209,8 @@ def _proposal(
     unsettled: tuple[str, ...],
     notes: tuple[str, ...],
 ) -> Proposal:
-    path, limits, foretold = design.path, bounds.frame.limits, bounds.weigher.foretold
-    balances = foretold.balances(path)
-    torque = foretold.torque(balances)
+    path, torque, limits = design.run.path, design.run.torque, bounds.limits
+    assert torque is not None
     time = np.arange(round(path.duration * wishes.rate) + 1) / wishes.rate
     curve = path.curve
     middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
@@ -314,13 +221,14 @@ def _proposal(
         "torque": float(np.max(np.abs(torque) / limits.torque)),
     }
     return Proposal(
-        joints=bounds.weigher.prepared.study.joints,
+        joints=bounds.predict.prepared.study.joints,
         time=time,
         q=curve(time),
         dq=curve(time, 1),
         torque=torque,
         used=used,
         prospects=tuple(each for each in design.prospects if each.why),
+        figures=design.figures,
         unsettled=(*unsettled, *_side_by_side(_hopeless(design))),
         hopeless=_hopeless(design),
         verdict=verdict,

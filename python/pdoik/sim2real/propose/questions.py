@@ -12,7 +12,8 @@ from pdoik.recordings import FloatArray
 from ..effects import CATALOGUE, Effect
 from ..findings import Diagnosis, Equivalent, Finding
 from ..model.predict import places_of
-from ..motion.place import Place, Shape
+from ..motion.balances import Balances
+from ..motion.place import Key, Place, Shape
 from ..motion.prepare import Prepared
 from ..regression.naming import where_in_words
 from ..thresholds.propose import ProposeThresholds
@@ -40,6 +41,26 @@ class Cause:
     def is_costly(self) -> bool:
         """Whether its columns are a simulation of their own."""
         return self.effect.costly
+
+    def columns(self, balances: Balances) -> dict[Key, FloatArray]:
+        """Of each coefficient, (N, k) by key, those of several places side by side."""
+        found = [balances.columns(self.effect, place, self.shape) for place in self.places]
+        widths = [next((c.shape[1] for c in each.values()), 0) for each in found]
+        ends = np.cumsum([0, *widths])
+        result: dict[Key, FloatArray] = {}
+        for each, first, last in zip(found, ends[:-1], ends[1:], strict=True):
+            for key, column in each.items():
+                result.setdefault(key, np.zeros((balances.count, int(ends[-1]))))
+                result[key][:, first:last] = column
+        return result
+
+    def contribution(self, balances: Balances) -> dict[Key, FloatArray]:
+        """What it adds with its figures, (N,) by key."""
+        total: dict[Key, FloatArray] = {}
+        for place in self.places:
+            for key, column in balances.columns(self.effect, place, self.shape).items():
+                total[key] = total.get(key, 0.0) + column @ self.beta[: column.shape[1]]
+        return total
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,10 +1,9 @@
-"""What a motion is expected to say of each question: the refitted rival against the truth.
+"""What a motion is expected to say of each question, by the kernel's model of what it would show.
 
-For a cause A that is true and a rival B, the rows that A adds along the motion are fitted by B's
-columns, whatever its figures and of several shapes, with all that is ordinary beside it: friction,
-offset and rotor of every joint, the other findings, bodies within the user's trust. Half of what
-that leaves, in the noise of the recordings, is the expected log likelihood ratio (T-optimality,
-Atkeson and Fedorov, Biometrika 62(1), 1975). So it is with B true and A fitted.
+For a cause A that is true and a rival B, what A adds along the motion is fitted by B, whatever its
+figures and of several shapes, with all that is ordinary beside it, the other findings, and bodies
+within the user's trust; see `identify.predicted`. So it is with B true and A fitted. The recordings
+themselves count, too: little, but they are there afterwards.
 """
 
 from __future__ import annotations
@@ -16,20 +15,22 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..identify.candidates import same_kind
+from ..effects import Effect
+from ..identify.hypothesis import Hypothesis, peculiar
+from ..identify.model import Model
+from ..identify.ordinary import Ordinary
+from ..identify.predicted import Noise, Remainder, all_else, expected, recorded, remainder
 from ..motion.balances import Balances
-from ..motion.place import Key, Place
+from ..motion.place import Key, Place, Shape
 from ..motion.prepare import Prepared
-from ..regression.background import has_its_like
-from .beside import FOUND, Beside, shapes_of
-from .expected import NOTHING, Pair, Prospect, Rivalry, clarity, expected_confidence
-from .foretold import Foretold
-from .path import Path
+from ..regression.fit import Term
+from .expected import Pair, Prospect, Rivalry, clarity, expected_confidence
+from .figures import Figure, figures
 from .questions import Cause, Option, Question, said, standing
-from .rows import columns_at, contribution, noise_of
 
 _OF_THE_MEAN = 0.2  # what the mean clarity counts beside the least
 _KNOWN = 9.0  # decrease of the cost in the recordings from which a rival's figures are known
+_SHAPES = 4  # of a rival that are tried
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,27 +57,24 @@ class Weigher:
         """
         self.prepared, self.questions, self.causes = prepared, tuple(questions), tuple(causes)
         self.limits = prepared.study.thresholds
-        self.noise = noise_of(prepared.fit, causes)
-        self.foretold = Foretold(prepared, causes)
+        told = prepared.study.trust.rigid_body
+        self._bodies = self.limits.priors.bodies if told is None else told
+        fit = prepared.fit
+        self._recorded = recorded(fit, self._bodies, _hypotheses(fit, self.causes))
+        self.noise = Noise.of(self._recorded)
         self.rivals = tuple(self._rivals(question) for question in self.questions)
         self.standing = tuple(
             (question, tuple(rival for o in question.options if (rival := self._unknown(o))))
             for question in standing(self.questions, prepared)
         )
         self._variants = {q.own.key: self._alike(q.own) for q in self.questions}
-        self._recorded: dict[tuple[object, object], tuple[FloatArray, float]] = {}
-        self._remember()
-
-    def _remember(self) -> None:
-        """What the recordings themselves say of each pair: little, but they count afterwards."""
-        plain = self._beside(self.prepared.fit, bodies=self._bodies)
+        self._before: dict[tuple[object, object], float] = {}
         for question, rivals in zip(self.questions, self.rivals, strict=True):
             for rival in rivals:
                 pairs = [(own, rival.cause) for own in self._variants[question.own.key]]
                 pairs += [(rival.cause, question.own)] if rival.known else []
-                for true, other in pairs:
-                    left = self._left(plain, true, other)
-                    self._recorded[true.key, other.key] = left
+                for pair in pairs:
+                    self._before[pair[0].key, pair[1].key] = self._ratio(self._recorded, fit, *pair)
 
     def _unknown(self, option: Option) -> Rival | None:
         """Of an option whose figures nobody knows; None where no recording could show it."""
@@ -96,47 +94,61 @@ class Weigher:
         """
         if own.effect.costly or own.effect.fixed or not own.shape:
             return (own,)
-        b = self.prepared.fit
-        plain = self._beside(b, bodies=False)
-        sheet = plain.sheet
-        sheet.add("target", _target(b, [each for each in self.causes if each is not own]))
-        beside = plain.names(own, None)
-        alone, gains = sheet.left("target", beside), {}
-        for shape in shapes_of(b, own):
-            sheet.add(("columns", shape), columns_at(b, own, shape))
-            gains[shape] = alone - sheet.left("target", [*beside, ("columns", shape)])
-        least = (1.0 - self.limits.search.tie) * max(gains.values())
-        kept = sorted(shape for shape, gain in gains.items() if gain >= least)
-        found = [own]
-        for shape in dict.fromkeys((kept[0], kept[-1])) if kept else ():
-            if shape != own.shape:
-                beta = sheet.fitted(("columns", shape), "target", beside)
-                found.append(replace(own, shape=shape, beta=_bounded(own, beta)))
-        return tuple(found)
+        target = self._target(own)
+        plain = all_else(self._recorded, (own.effect.id, own.places))
+        before = remainder(plain, target).information
+        left = {
+            shape: made
+            for shape in _shapes(self.prepared.fit, own)
+            if (made := self._with(plain, own, shape, target)) is not None
+        }
+        if not left:
+            return (own,)
+        least = min(each.information for each, _ in left.values())
+        level = 2.0 * self.limits.diagnosis.level  # log odds within which they are rivals
+        kept = sorted(s for s, (each, _) in left.items() if each.information <= least + level)
+        kept = kept if before > least else []
+        return (
+            own,
+            *(
+                replace(own, shape=shape, beta=_bounded(own, left[shape][1]))
+                for shape in (dict.fromkeys((kept[0], kept[-1])) if kept else ())
+                if shape != own.shape
+            ),
+        )
 
-    def _beside(self, balances: Balances, *, bodies: bool) -> Beside:
-        """What is fitted beside causes on some rows."""
-        return Beside(self.prepared, balances, self.noise, self.causes, bodies=bodies)
+    def _with(
+        self, plain: Model, cause: Cause, shape: Shape, target: dict[Key, FloatArray]
+    ) -> tuple[Remainder, FloatArray] | None:
+        """What a model with a cause of a shape leaves of a target, and the cause's coefficients."""
+        hypothesis = hypothesis_of(self.prepared.fit, replace(cause, shape=shape))
+        if hypothesis is None:
+            return None
+        whole = plain.with_(hypothesis)
+        found = remainder(whole, target)
+        return found, found.coefficients[whole.span(hypothesis)]
 
-    @property
-    def _bodies(self) -> bool:
-        """Whether bodies may be a tenth off where nobody says so: beside what is peculiar."""
-        return any(not _is_ordinary(question) for question in self.questions)
-
-    def prospects(self, path: Path, *, costly: bool = True) -> tuple[Prospect, ...]:
-        """Of each question along a path.
+    def prospects(self, balances: Balances, *, costly: bool = True) -> tuple[Prospect, ...]:
+        """Of each question along a predicted motion; then of what stands, which has no `why`.
 
         Args:
-            path: from rest to rest.
+            balances: of the motion.
             costly: whether effects whose columns are simulations are looked at, too.
         """
-        return self.prospects_of(self.foretold.balances(path), costly=costly)
-
-    def prospects_of(self, balances: Balances, *, costly: bool = True) -> tuple[Prospect, ...]:
-        """The same of a path's balances; then of what stands, which has no `why`."""
-        plain = self._beside(balances, bodies=self._bodies)
+        model = self._model(balances)
         pairs = [*zip(self.questions, self.rivals, strict=True), *self.standing]
-        return tuple(self._prospect(plain, question, rivals, costly) for question, rivals in pairs)
+        return tuple(self._prospect(model, balances, *pair, costly) for pair in pairs)
+
+    def _model(self, balances: Balances) -> Model:
+        """All that is believed and was found, on a predicted motion's rows."""
+        ordinary = Ordinary(balances=balances, bodies=self._bodies).hypotheses()
+        free = [replace(each, positive=False) for each in ordinary]
+        found = [each for each in self.causes if not each.is_costly]
+        return self.noise.model(balances, [*free, *_hypotheses(balances, found)])
+
+    def figures(self, balances: Balances) -> tuple[Figure, ...]:
+        """How well what every joint has is known, by the recordings and with a motion as well."""
+        return figures(self._recorded, self._model(balances), self.prepared.study.joints)
 
     def score(
         self, prospects: Sequence[Prospect], hopeless: frozenset[Pair] = frozenset()
@@ -149,113 +161,71 @@ class Weigher:
 
     def _prospect(
         self,
-        plain: Beside,
+        model: Model,
+        balances: Balances,
         question: Question,
         rivals: Sequence[Rival],
         costly: bool,
     ) -> Prospect:
-        own = question.own
-        truth, sheet = plain.added(own), plain.sheet
-        found = []
-        for rival in rivals:
-            if not costly and (rival.cause.is_costly or own.is_costly):
-                continue
-            found.append(self._rivalry(plain, own, rival))
-        beside = plain.names(own, None)
-        energy = sheet.left(truth, beside)
-        acting = sheet.acting(truth)
-        gain = energy / max(energy + acting, 1e-9)
-        kept = tuple(found)
+        own, limits = question.own, self.limits
+        kept = tuple(
+            self._rivalry(model, balances, own, rival)
+            for rival in rivals
+            if costly or not (rival.cause.is_costly or own.is_costly)
+        )
+        hypothesis = hypothesis_of(balances, own)
+        beside = all_else(model, (own.effect.id, own.places))
+        if hypothesis is None:  # nothing of it shows
+            support = None
+        else:
+            beta = np.tile(own.beta, len(own.places))[: hypothesis.width]
+            believed = float(hypothesis.precision @ beta**2)
+            made = expected(beside, own.contribution(balances), hypothesis, believed, limits)
+            support = made.support(1.0, limits.propose.doubt)
         return Prospect(
             finding=own.words,
             why=question.why,
             confidence_before=question.finding.confidence / (1 + len(question.finding.equivalents)),
-            gain=gain,
+            gain=0.0 if support is None else support.gain,
             rivalries=kept,
-            confidence=expected_confidence(gain, kept, self.limits),
+            confidence=expected_confidence(support, kept, limits),
         )
 
-    def _rivalry(self, plain: Beside, own: Cause, rival: Rival) -> Rivalry:
-        other = rival.cause
+    def _rivalry(self, model: Model, balances: Balances, own: Cause, rival: Rival) -> Rivalry:
+        def ratio(true: Cause, other: Cause) -> float:
+            before = self._before.get((true.key, other.key), 0.0)
+            return before + self._ratio(model, balances, true, other)
+
         variants = self._variants.get(own.key, (own,))
-        weighed = [self._with_recorded(plain, each, other) for each in variants]
-        own_left, own_share, own_t = (min(values) for values in zip(*weighed, strict=True))
-        if rival.known:
-            other_left, other_share, other_t = self._with_recorded(plain, other, own)
-        else:
-            other_left, other_share, other_t = np.inf, 1.0, np.inf
-        clear = [
-            self._clear(own, other, own_share, own_t),
-            self._clear(other, own, other_share, other_t),
-        ]
         return Rivalry(
-            rival=other.words,
+            rival=rival.cause.words,
             listed=rival.listed,
-            if_own=0.5 * own_left,
-            if_rival=0.5 * other_left,
-            share=min(own_share, other_share),
-            clear=float(min(clear)),
+            if_own=min(ratio(each, rival.cause) for each in variants),
+            if_rival=ratio(rival.cause, own) if rival.known else np.inf,
+            level=self.limits.diagnosis.level,
         )
 
-    def _clear(self, true: Cause, other: Cause, share: float, t: float) -> float:
-        """Times what the diagnosis asks, so that it lists the other beside the true one no more.
-
-        A name is level where it explains nearly as much and blocks of time do not tell; a coarser
-        law of the same kind is listed as long as it explains nine tenths.
-        """
-        search = self.limits.search
-        alike = same_kind(true.effect.id, other.effect.id) and true.places == other.places
-        if alike and other.effect.complexity <= true.effect.complexity:
-            return share / (1.0 - search.same_kind)
-        return max(share / search.tie, t / search.tie_error)
-
-    def _with_recorded(
-        self, plain: Beside, true: Cause, other: Cause
-    ) -> tuple[float, float, float]:
-        """What the other leaves of the true one, recordings included, its share, and its t.
-
-        Figures may differ between the two, which makes what is left less than it will be.
-        """
-        before, whole = self._recorded.get((true.key, other.key), (np.zeros(0), 0.0))
-        left, alone = self._left(plain, true, other)
-        blocks = np.concatenate([before, left])
-        total = float(blocks.sum())
-        error = float(np.std(blocks) * np.sqrt(len(blocks))) if len(blocks) > 1 else np.inf
-        t = total / max(error, 1e-300) if 0.5 * total > NOTHING else 0.0
-        return total, total / max(alone + whole, 1e-300), t
-
-    def _left(self, plain: Beside, true: Cause, other: Cause) -> tuple[FloatArray, float]:
-        """What the other leaves of the true one by blocks, and what the other findings alone do."""
-        name, sheet = plain.added(true), plain.sheet
-        shapes = []
-        for shape in shapes_of(sheet.balances, other):
-            column = ("columns", other.effect.id, other.places, shape)
-            if not sheet.knows(column):
-                sheet.add(column, columns_at(sheet.balances, other, shape))
-            shapes.append(column)
-        beside = plain.names(true, other)
-        best = min(shapes, key=lambda column: sheet.left(name, [*beside, column]))
-        alone = sheet.left(name, [n for n in beside if n[0] == FOUND])
-        return sheet.left_by_block(name, [*beside, best]), alone
+    def _ratio(self, model: Model, balances: Balances, true: Cause, other: Cause) -> float:
+        """Log likelihood of what is true over the other's, with all else refitted."""
+        causes = ((each.effect.id, each.places) for each in (true, other))
+        plain, shown = all_else(model, *causes), true.contribution(balances)
+        made = (hypothesis_of(balances, replace(other, shape=s)) for s in _shapes(balances, other))
+        models = [plain.with_(each) for each in made if each is not None] or [plain]
+        return min(remainder(each, shown).log_ratio for each in models)
 
     def _rivals(self, question: Question) -> tuple[Rival, ...]:
-        found = []
-        for option in question.options:
-            best = self._best(question, option)
-            if best is not None:
-                found.append(best)
-        return tuple(found)
+        found = (self._best(question, option) for option in question.options)
+        return tuple(each for each in found if each is not None)
 
     def _best(self, question: Question, option: Option) -> Rival | None:
         """The place and shape that fit the recordings best in the place of the question's own."""
-        b = self.prepared.fit
-        plain = self._beside(b, bodies=False)
-        sheet = plain.sheet
-        target = _target(b, [cause for cause in self.causes if cause is not question.own])
-        sheet.add("target", target)
+        target, motions, own = self._target(question.own), self.prepared.fit.motions, question.own
         best: tuple[float, Cause] | None = None
         for places in option.places:
-            for shape in option.effect.shapes(b.motions, places[0]):
+            pair = (own.effect.id, own.places), (option.effect.id, places)
+            plain = all_else(self._recorded, *pair)
+            before = remainder(plain, target).information
+            for shape in option.effect.shapes(motions, places[0]):
                 made = Cause(
                     effect=option.effect,
                     places=places,
@@ -263,16 +233,12 @@ class Weigher:
                     beta=np.zeros(0),
                     words=self._said(option, places),
                 )
-                columns = columns_at(b, made, shape)
-                if not columns:
+                found = self._with(plain, made, shape, target)
+                if found is None:
                     continue
-                name = ("columns", places, shape)
-                sheet.add(name, columns)
-                beside = plain.names(made, question.own)
-                gain = sheet.left("target", beside) - sheet.left("target", [*beside, name])
-                beta = _bounded(made, sheet.fitted(name, "target", beside))
+                gain = before - found[0].information
                 if best is None or gain > best[0]:
-                    best = gain, replace(made, beta=beta)
+                    best = gain, replace(made, beta=_bounded(made, found[1]))
         if best is None:
             return None
         gain, cause = best
@@ -289,14 +255,62 @@ class Weigher:
         ]
         return said(option.effect, joints, links)
 
+    def _target(self, own: Cause) -> dict[Key, FloatArray]:
+        """What recordings show beside all causes but one, (N,) for each key."""
+        fit = self.prepared.fit
+        target = {key: values.copy() for key, values in fit.residual.items()}
+        for cause in self.causes:
+            if cause is not own:
+                for key, values in cause.contribution(fit).items():
+                    target[key] -= values
+        return target
 
-def _target(balances: Balances, causes: Sequence[Cause]) -> dict[Key, FloatArray]:
-    """What recordings show beside these causes, a column for each key."""
-    target = {key: values[:, None].copy() for key, values in balances.residual.items()}
-    for cause in causes:
-        for key, column in contribution(balances, cause).items():
-            target[key] = target[key] - column
-    return target
+
+def hypothesis_of(balances: Balances, cause: Cause) -> Hypothesis | None:
+    """A cause as the kernel has it, at all its places; None where it changes nothing."""
+    columns = cause.columns(balances)
+    if not columns:
+        return None
+    width = next(iter(columns.values())).shape[1]
+    each = width // len(cause.places)
+    prior = cause.effect.prior_at(balances.motions[0], cause.places[0], each)
+    term = Term(
+        effect=cause.effect.id,
+        place=cause.places[0],
+        shape=cause.shape,
+        columns=columns,
+        prior=np.tile(prior, len(cause.places)),
+    )
+    return peculiar(balances, term)
+
+
+def _hypotheses(balances: Balances, causes: Sequence[Cause]) -> list[Hypothesis]:
+    made = (hypothesis_of(balances, each) for each in causes)
+    return [each for each in made if each is not None]
+
+
+def _shapes(balances: Balances, cause: Cause) -> list[Shape]:
+    """The one it was found with, and others."""
+    effect = cause.effect
+    if effect.costly:
+        return [cause.shape]
+    variant = effect.variant(cause.shape)
+    shapes = [
+        shape
+        for shape in effect.shapes(balances.motions, cause.places[0])
+        if effect.variant(shape) == variant
+    ]
+    step = max(1, -(-len(shapes) // _SHAPES))
+    return list(dict.fromkeys([cause.shape, *shapes[::step], *_ends(effect, shapes)]))
+
+
+def _ends(effect: Effect, shapes: Sequence[Shape]) -> list[Shape]:
+    """The lowest and highest of a single nonlinear parameter: the diagnosis goes as far."""
+    if not shapes or len(shapes[0]) != 1:
+        return []
+    low, high = min(shapes), max(shapes)
+    ends = effect.shape_bounds(low)[0][0], effect.shape_bounds(high)[0][1]
+    return [(end,) for end in ends if np.isfinite(end)]
 
 
 def _bounded(cause: Cause, beta: FloatArray) -> FloatArray:
@@ -307,8 +321,3 @@ def _bounded(cause: Cause, beta: FloatArray) -> FloatArray:
         return np.ones(1)
     lower, upper = effect.bounds
     return np.asarray(np.clip(each, lower[: len(each)], upper[: len(each)]), dtype=np.float64)
-
-
-def _is_ordinary(question: Question) -> bool:
-    effect = question.own.effect
-    return has_its_like(effect) or effect.costly

@@ -15,13 +15,10 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects import Effect
-from ..effects.asymmetric_friction import AsymmetricFriction
 from ..effects.imu import ImuOffset, ImuTilt
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape
-from ..thresholds import Thresholds
 from .fit import Fit, Term, term_of
 from .repeats import repeats_of
 from .trusted_bodies import trusted
@@ -51,7 +48,6 @@ class OneWay:
 
     id = BACKGROUND
     shape = (1.0,)
-    like = AsymmetricFriction.id
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Fading steps of several widths, and viscosity."""
@@ -82,33 +78,6 @@ class Scale:
         """The model's torque."""
         (j,) = place.joints
         return {("torque", j): motion.borne[:, j : j + 1]}
-
-
-def has_its_like(effect: Effect) -> bool:
-    """Whether the background holds what an effect is, and could not be without it.
-
-    That is friction, rotors, scales and bodies; friction that is the same both ways is one without.
-    """
-    ordinary = effect.ordinary or effect.is_body or effect.in_background
-    return ordinary and effect.id != OneWay.like
-
-
-def without_its_like(terms: tuple[Term, ...], term: Term, believed: Thresholds) -> tuple[Term, ...]:
-    """A background's terms without those of a term's own kind at its place.
-
-    Beside friction of one way, rest is what sensors' zeros may be: it is hardly another thing.
-    """
-    if term.effect != OneWay.like:
-        return terms
-    tighter = (believed.priors.friction / believed.priors.one_way) ** 2
-    found = []
-    for each in terms:
-        here = each.place.joints == term.place.joints
-        if here and _is(each, Rest):
-            found.append(replace(each, prior=tighter * each.prior))
-        elif not (here and _is(each, OneWay)):
-            found.append(each)
-    return tuple(found)
 
 
 def _is(term: Term, cause: type[Friction | OneWay | Rest | Scale]) -> bool:

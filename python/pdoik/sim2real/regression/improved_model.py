@@ -25,6 +25,9 @@ def improved_model(prepared: Prepared, findings: tuple[Finding, ...], fit: Fit) 
     if not changes or model.robot is None:
         return model
     described = read_description(model.robot)
-    links, own = described.links_of(model.joints), described.inertials
-    corrected = {links[k]: own[links[k]].ten() + change for k, change in changes.items()}
+    own, floats = described.inertials, () if model.base is None else (model.base,)
+    links = (*described.links_of(model.joints), *floats)  # a base that floats comes last
+    corrected = {
+        links[k]: own[links[k]].ten() + change for k, change in changes.items() if links[k] in own
+    }
     return Model.of_study(prepared.study, findings, corrected, prepared.cutoff)

@@ -2,36 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects import CATALOGUE, Effect
+from ..effects import Effect
 from ..effects.effect import Parameter
-from ..identify.candidates import same_kind
+from ..identify.hypothesis import peculiar
+from ..identify.model import Model
+from ..identify.predicted import Expected, all_else, expected, recorded, remainder
 from ..motion.place import Key, Place, Shape
 from ..motion.prepare import Prepared
-from ..regression.background import (
-    background,
-    has_its_like,
-    usual_torque,
-    without_its_like,
-)
-from ..regression.fit import Term, term_of
-from ..regression.repeats import repeats_of
-from ..regression.trusted_bodies import TRUST, trusted
+from ..regression.background import usual_torque
+from ..regression.fit import Term
 from .amounts import bisected
-from .beside import Beside, Contribution, Noise
-from .sight import Asks, Sight, sight_of
 
 _BEYOND = 1e6  # a figure at which an effect does nothing, from which it is without end
 _SHARE = 0.02  # of the time, the amount to begin with of what is told by a share
 _MOST_SHARE = 0.5
 _NEXT_TO_NOTHING = 1e-9  # of a time or an angle
-_ANY_BODY = 1.0  # trust in bodies that leaves their masses open
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,18 +44,12 @@ class Sizes:
     """Of a study whose channels are as they should be."""
 
     def __init__(self, prepared: Prepared) -> None:
-        """Along the recordings to fit."""
-        self.prepared = prepared
+        """Along the recordings to fit, whose noise is what ordinary physics leaves of them."""
         self.balances = b = prepared.fit
-        self._noisy, self._ordinary = background(b)
-        self._trusted = trusted(b, prepared.study.trust.rigid_body)
-        free = [*(t for t in self._ordinary if t.effect != TRUST), *trusted(b, _ANY_BODY)]
-        self._noise = Noise(flexible=Beside(b, free))
-        self._whole: dict[tuple[str, Place], Beside] = {}
-        self._sets: dict[Key, tuple[float, float]] = {}
+        told, believed = prepared.study.trust.rigid_body, b.thresholds.priors
+        self._model = recorded(b, believed.bodies if told is None else told)
         self._none: dict[tuple[str, Place, str], dict[Key, FloatArray]] = {}
-        self._simple = {j: self._simple_at(j) for j in range(b.n)}
-        self._clear = self._clear_figures()
+        self._beside: dict[tuple[str, Place], Model] = {}
 
     def of(self, effect: Effect, place: Place) -> Iterator[Size]:
         """Of each variant of an effect that has something to be seen by; none of others."""
@@ -72,75 +58,45 @@ class Sizes:
             if found is not None:
                 yield found
 
-    def _simple_at(self, j: int) -> list[Term]:
-        """Of each simple ordinary effect, where joint j is judged."""
-        if not self.balances.excited[j]:
-            return []
-        motions, place, found = self.balances.motions, Place(joints=(j,)), []
-        for each in CATALOGUE.values():
-            if not each.is_plain or place not in each.places(motions):
-                continue
-            for shape in each.asked(motions, place)[:1]:
-                term = term_of(self.balances, each, place, shape)
-                found += [] if term is None or term.width > 1 else [term]
-        return found
+    def _all_else(self, effect: Effect, place: Place) -> Model:
+        name = effect.one_of or ("body" if effect.is_body else effect.id), place
+        if name not in self._beside:
+            self._beside[name] = all_else(self._model, (effect.id, (place,)))
+        return self._beside[name]
 
-    def _beside(self, effect: Effect, place: Place) -> Beside:
-        """What an effect is found beside: simple ordinary ones of other kinds, trusted bodies."""
-        others = [
-            term
-            for terms in self._simple.values()
-            for term in terms
-            if not (term.place == place and _same_name(term.effect, effect.id))
-        ]
-        bodies = [t for t in self._trusted if not (effect.is_body and t.place.link == place.link)]
-        return Beside(self.balances, [*bodies, *others])
-
-    def _stands_beside(
-        self, effect: Effect, place: Place, contribution: Contribution
-    ) -> Beside | None:
-        """What an effect that no ordinary machine has is held against."""
-        of_torque = all(balance == "torque" for balance, _ in contribution)
-        if effect.costly or not of_torque or has_its_like(effect) or not self._ordinary:
+    def _expected(
+        self, effect: Effect, place: Place, shape: Shape, amount: float
+    ) -> tuple[dict[Key, FloatArray], Expected] | None:
+        """What an amount adds, and what a diagnosis would find of it; None where nothing."""
+        added, limits = self._contribution(effect, place, shape, amount), self.balances.thresholds
+        if added is None:
             return None
-        name = (effect.id, place)
-        if name not in self._whole:
-            own = Term(effect=effect.id, place=place, shape=(), columns={}, prior=np.zeros(0))
-            terms = without_its_like(self._ordinary, own, self.balances.thresholds)
-            plain = terms is self._ordinary
-            name = ("", Place()) if plain else name
-            if name not in self._whole:
-                self._whole[name] = Beside(self._noisy, terms)
-        return self._whole[name]
+        at, beta, width = self._at(effect, place, shape, amount)
+        columns = self.balances.columns(effect, place, at)
+        prior = effect.prior_at(self.balances.motions[0], place, width)
+        term = Term(effect=effect.id, place=place, shape=at, columns=columns, prior=prior)
+        tried = len(effect.shapes(self.balances.motions, place))
+        cause = peculiar(self.balances, term, among=float(max(tried, 1)))
+        precision = float(np.sum(cause.precision * beta**2))
+        model = self._all_else(effect, place)
+        return added, expected(model, added, cause, precision, limits)
 
     def _size(self, effect: Effect, place: Place, shape: Shape) -> Size | None:
         limits, begin = self.balances.thresholds, _begin(effect)
         linear = self._is_linear(effect, place, shape)
         tried = [] if linear else self._amounts(effect, place, shape)
         begin = min(tried, key=lambda each: abs(each - begin)) if tried else begin
-        one = self._contribution(effect, place, shape, begin)
-        if one is None:
+        first = self._expected(effect, place, shape, begin)
+        if first is None:
             return None
-        beside = self._beside(effect, place)
-
-        def sight(made: tuple[dict[Key, FloatArray], int]) -> Sight:
-            contribution, width = made
-            asks = Asks(width=width, least_of_rest=effect.least_of_rest)
-            key = next(iter(contribution))
-            if effect.ordinary and len(contribution) == 1:
-                price, noise = self._of_sets(key)
-                asks = replace(asks, price=(width + len(shape)) * price, noise=noise)
-            whole = self._stands_beside(effect, place, contribution)
-            return sight_of(contribution, asks, beside, self._noise, whole, self._clear)
 
         def clarity(amount: float) -> float:
-            made = self._contribution(effect, place, shape, amount)
-            return 0.0 if made is None else sight(made).clarity(1.0, limits)
+            made = self._expected(effect, place, shape, amount)
+            return 0.0 if made is None else made[1].clarity(1.0, limits)
 
-        first = sight(one)
         if linear:
-            times = first.smallest(limits)
-            amount, of_usual = times * begin, times * self._of_usual(one[0])
+            times = first[1].smallest(limits)
+            amount, of_usual = times * begin, times * self._of_usual(first[0])
             low, high = (float(bound[0]) for bound in effect.bounds)
             amount = amount if amount <= max(-low, high) else np.inf
         else:
@@ -155,32 +111,9 @@ class Sizes:
             parameter=effect.parameters[0],
             figure=figure,
             below=below,
-            left=first.share,
+            left=remainder(self._all_else(effect, place), first[0]).share,
             of_usual=of_usual,
         )
-
-    def _of_sets(self, key: Key) -> tuple[float, float]:
-        """Price of a figure by the Bayesian criterion of joints' sets, and the noise there."""
-        if key not in self._sets:
-            b, flexible = self.balances, self._noise.flexible
-            rows, left = flexible.fit.rows[key], flexible.left(key) / self.balances.sigma[key]
-            same = repeats_of(b, rows, left)
-            noise = max(float(np.mean(left**2)), 1.0) * same if len(rows) else 1.0
-            self._sets[key] = float(np.log(max(len(rows) / same, 8.0))), noise
-        return self._sets[key]
-
-    def _clear_figures(self) -> int:
-        """How many simple effects these recordings show clearly, so that the search has them."""
-        limits = self.balances.thresholds.search
-        terms = [term for some in self._simple.values() for term in some]
-        found = 0
-        for term in terms:
-            beside = Beside(self.balances, [t for t in terms if t is not term])
-            own = {key: column[:, 0] for key, column in term.columns.items()}
-            error = sight_of(own, Asks(width=1, least_of_rest=0.0), beside, self._noise).error
-            level = float(beside.fit.extended(term).beta[-1])
-            found += abs(level) > limits.still_needed * limits.least_t * error
-        return found
 
     def _is_linear(self, effect: Effect, place: Place, shape: Shape) -> bool:
         """Whether contributions are in proportion to the amount."""
@@ -220,9 +153,9 @@ class Sizes:
 
     def _contribution(
         self, effect: Effect, place: Place, shape: Shape, amount: float
-    ) -> tuple[dict[Key, FloatArray], int] | None:
-        """What an amount adds to the balances, (N,) each, and by how many figures; or None."""
-        at, beta, width = self._at(effect, place, shape, amount)
+    ) -> dict[Key, FloatArray] | None:
+        """What an amount adds to the balances, (N,) each; None where nothing."""
+        at, beta, _ = self._at(effect, place, shape, amount)
         added = self._added(effect, place, at, beta)
         if not _of_share(effect) and not self._is_linear(effect, place, shape):
             # A link between flanks gives a little without any play: that is not what is sought.
@@ -233,8 +166,7 @@ class Sizes:
                 )
             off = self._none[none]
             added = {key: values - off.get(key, 0.0) for key, values in added.items()}
-        added = {key: values for key, values in added.items() if np.any(values)}
-        return (added, width) if added else None
+        return {key: values for key, values in added.items() if np.any(values)} or None
 
     def _added(
         self, effect: Effect, place: Place, shape: Shape, beta: FloatArray
@@ -255,7 +187,7 @@ class Sizes:
             amount *= 1.1
         return amount
 
-    def _of_usual(self, contribution: Contribution) -> float:
+    def _of_usual(self, contribution: Mapping[Key, FloatArray]) -> float:
         """The least share of a joint's usual torque that it is in any of them."""
         b = self.balances
         return min(
@@ -279,10 +211,6 @@ class Sizes:
         if nothing >= _BEYOND:
             return float(value), True
         return abs(float(value) - nothing), False
-
-
-def _same_name(one: str, other: str) -> bool:
-    return one == other or same_kind(one, other)
 
 
 def _nothing(effect: Effect) -> float:

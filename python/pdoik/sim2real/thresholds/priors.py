@@ -66,10 +66,6 @@ class PriorThresholds(Group):
     least_repeats: float = threshold(
         1.5, "rows that say the same at least: three a period of the cut-off, noise up to it"
     )
-    one_way: float = threshold(
-        0.1,
-        "standard deviation of a torque's zero beside friction of one way, in usual torques",
-    )
     torque_scale: float = threshold(
         0.04,
         "standard deviation of a torque's own scale, which intervals of all that follows from"

@@ -18,12 +18,6 @@ class ProposeThresholds(Group):
         "",
         "odds of 20 000 to 1",
     )
-    clear: float = threshold(
-        2.0,
-        "times the share of its gain by which a cause must beat another, so as not to be level",
-        "",
-        "twice search.tie, or what search.same_kind leaves",
-    )
     gain: float = threshold(
         0.8,
         "share of what is left where a finding acts, from which more is not sought",

@@ -14,7 +14,6 @@ from .limits import LimitThresholds
 from .noise import NoiseThresholds
 from .priors import PriorThresholds
 from .propose import ProposeThresholds
-from .search import SearchThresholds
 from .simulators import SimulatorThresholds
 from .threshold import numbers_of
 from .watch import WatchThresholds
@@ -44,7 +43,6 @@ class Thresholds:
     confidence: ConfidenceThresholds = field(default_factory=ConfidenceThresholds)
     noise: NoiseThresholds = field(default_factory=NoiseThresholds)
     limits: LimitThresholds = field(default_factory=LimitThresholds)
-    search: SearchThresholds = field(default_factory=SearchThresholds)
     feet: FeetThresholds = field(default_factory=FeetThresholds)
     controllers: ControllerThresholds = field(default_factory=ControllerThresholds)
     channels: ChannelThresholds = field(default_factory=ChannelThresholds)

@@ -11,13 +11,19 @@ from scipy.spatial.transform import Rotation
 from pdoik.recordings import FloatArray, Recording
 
 from ..motion.balances import Balances
-from ..motion.motion import Motion, motion_of
+from ..motion.base_motion import base_motion_of
+from ..motion.carried_body import CarriedBody
+from ..motion.motion import Motion
 from ..motion.place import Key
-from ..motion.prepare import Prepared
+from ..motion.prepare import Prepared, motions_of
+from ..study.study import Setup
+from .excitation import Frame
 from .path import STEP, Path
 from .questions import Cause
 
 _BELOW = 0.4  # cut-off times period, at most
+_QUIET = 1e-14  # density of noise in positions that have none [rad^2/Hz]
+_OF_ROWS = "noise of rows"  # of a motion's torques, as `motion.free_rows` keeps it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -58,46 +64,73 @@ class _Noiseless(Balances):
         return 0.0
 
 
-class Foretold:
-    """Of one study: what is foretold are the channels that its recordings have."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Run:
+    """What a path is predicted to come to."""
 
-    def __init__(self, prepared: Prepared, causes: Sequence[Cause]) -> None:
-        """`causes` are there beside what is asked."""
+    path: Path  # of the joints, as they are commanded
+    balances: Balances | None  # None: the robot would fall
+    torque: FloatArray | None  # (T, n) that it needs [N m]
+
+
+class Predict:
+    """Of one study: what is predicted are the channels that its recordings have.
+
+    The base is fixed, or held where it hung: joints are free of one another.
+    """
+
+    may_be_led = True  # around obstacles, by other joint angles
+
+    note = ""  # that a user must know
+
+    def __init__(
+        self, prepared: Prepared, causes: Sequence[Cause], *, like: int = 0, held: bool = False
+    ) -> None:
+        """Prepare to predict.
+
+        Args:
+            prepared: the study.
+            causes: that are there beside what is asked.
+            like: the recording to fit that the motion is like.
+            held: whether a base that floats is, by something whose forces nobody knows.
+        """
         if prepared.body is None:
             raise ValueError("the study has no robot description, so no motion can be designed")
         self.prepared, self.body = prepared, prepared.body
         self.causes = tuple(causes)
         self.limits = prepared.study.thresholds
-        first = prepared.fit.motions[0]
-        self._like = first.recording
-        self._noise = np.full(prepared.fit.n, 1e-14)
+        self._like, self._held = prepared.fit.motions[like], held
+        if held:
+            self.note = "the base must hang, or be bolted up: enter the log with 'base: held'"
+        self.start = np.asarray(self._like.recording.q[0], dtype=np.float64)
         self.cutoff = min(prepared.cutoff, _BELOW / STEP)
         self.sticking = self._sticking()
 
-    def balances(self, path: Path) -> Balances:
-        """Of the path, with residuals of nothing."""
-        return _Noiseless([self.motion(path)], self.limits)
+    def frame(self, frame: Frame) -> Frame:
+        """What motions are drawn in, of the joints' own."""
+        return frame
 
-    def motion(self, path: Path) -> Motion:
-        """As a recording's is."""
-        study = self.prepared.study
-        made = motion_of(
-            self._recording(path),
-            self.body,
-            study.controller,
-            self.cutoff,
-            self._noise,
-            study.tip,
-            0.0,
-            self.limits,
+    def run(self, path: Path) -> Run:
+        """Of a path in the coordinates of `frame`."""
+        motion = self.motion(self._recording(path))
+        return Run(
+            path=path, balances=_Noiseless([motion], self.limits), torque=self.torque(motion)
         )
-        floor = self.prepared.fit.motions[0].speed_floor
-        return replace(made, speed_floor=floor, still=np.abs(made.dq) < floor)
 
-    def torque(self, balances: Balances) -> FloatArray:
+    def motion(self, recording: Recording) -> Motion:
+        """As a recording's is."""
+        study, like = self.prepared.study, self._like
+        quiet = np.full(self.prepared.fit.n, _QUIET)
+        setups = {**study.setups, recording.name: Setup(held=self._held)}
+        made = motions_of(replace(study, setups=setups), [recording], self.body, self.cutoff, quiet)
+        floor = like.speed_floor
+        if _OF_ROWS in like.cache:
+            made[0].cache[_OF_ROWS] = like.cache[_OF_ROWS]
+        return replace(made[0], speed_floor=floor, still=np.abs(made[0].dq) < floor)
+
+    def torque(self, motion: Motion) -> FloatArray:
         """(T, n) at the motion's rate that the model with its causes needs [N m]."""
-        motion = balances.motions[0]
-        tau = motion.tau.copy()
+        tau = motion.tau[:, : motion.n].copy()
         for cause in self.causes:
             for place in cause.places:
                 columns = cause.effect.columns(motion, place, cause.shape)
@@ -105,6 +138,10 @@ class Foretold:
                     if balance == "torque" and not cause.effect.of_commands:
                         tau[:, channel] += column @ cause.beta[: column.shape[1]]
         return tau
+
+    def load(self, q: FloatArray) -> FloatArray:
+        """Torques (n,) that hold the joints at a configuration, where nothing else does [N m]."""
+        return np.asarray(self.body.gravity(q[None])[0])
 
     @property
     def stuck(self) -> FloatArray:
@@ -120,17 +157,21 @@ class Foretold:
             if cause.effect.one_of == "dry" and len(cause.beta):
                 for place in cause.places:
                     level[place.joints[0]] += abs(float(cause.beta[0]))
-        knows = self._like.dq_des is not None
+        knows = self._like.recording.dq_des is not None
         made = Sticking(level=level, kp=control.kp, kd=control.kd, knows_speed=knows)
         return made if level.any() else None
 
     def _recording(self, path: Path) -> Recording:
-        asked_for, step = path.q, STEP
-        q = asked_for if self.sticking is None else self.sticking.followed(asked_for)
-        dq = np.gradient(q, step, axis=0)
-        ddq = np.gradient(dq, step, axis=0)
-        study, body, like = self.prepared.study, self.body, self._like
-        tau = body.torque(q, dq, ddq) + body.rotor * ddq
+        q = path.q if self.sticking is None else self.sticking.followed(path.q)
+        dq = np.gradient(q, STEP, axis=0)
+        ddq = np.gradient(dq, STEP, axis=0)
+        study, body, like = self.prepared.study, self.body, self._like.recording
+        base = None if like.base is None else np.tile(like.base[0], (len(q), 1))
+        tau = body.torque(q, dq, ddq)[:, : body.n] + body.rotor * ddq
+        if study.base is not None:
+            made = self._logged(q, dq, tau, q, base)
+            held = CarriedBody.on(body, base_motion_of(made, study.base, self.cutoff))
+            tau = held.torque(q, dq, ddq)[:, : body.n] + body.rotor * ddq
         control = study.controller
         q_des = q
         if control is not None and control.kp.all():
@@ -138,27 +179,40 @@ class Foretold:
             if like.dq_des is None:
                 asked = asked + control.kd * dq
             q_des = q + asked / control.kp
-        time = np.asarray(step * np.arange(len(q)), dtype=np.float64)
+        return self._logged(q, dq, tau, q_des, base)
+
+    def _logged(
+        self,
+        q: FloatArray,
+        dq: FloatArray,
+        tau: FloatArray,
+        q_des: FloatArray,
+        base: FloatArray | None,
+        contact: FloatArray | None = None,
+    ) -> Recording:
+        """Channels as the recordings have them, (T, n) and as `Recording` says, rows STEP apart."""
+        like = self._like.recording
 
         def if_there(name: str, values: FloatArray) -> FloatArray | None:
             there = getattr(like, name)
             return None if there is None else np.where(np.isfinite(there[:1]), values, np.nan)
 
-        source = self.prepared.fit.motions[0].source
         return Recording(
             name="proposed",
             role="fit",
             start=0.0,
-            time=time,
+            time=np.asarray(STEP * np.arange(len(q)), dtype=np.float64),
             q=q,
             dq=if_there("dq", dq),
-            tau=tau if source in ("tau", "current", "duty") else None,
+            tau=tau if self._like.source in ("tau", "current", "duty") else None,
             q_des=if_there("q_des", q_des),
             dq_des=if_there("dq_des", dq),
             tau_cmd=if_there("tau_cmd", tau),
             tip=None if like.tip is None else self._tip(q),
+            base=base,
+            contact=contact,
             valid=np.ones(len(q), dtype=np.bool_),
-            raw_period=step,
+            raw_period=STEP,
             jitter=0.0,
         )
 
