@@ -1,5 +1,5 @@
 // The README's C++ example inside a program: it must compile, link and solve.
-// tests/python/test_readme.py sees to it that the two are the same lines.
+// tests/python/package/test_readme.py sees to it that the two are the same lines.
 #include <iostream>
 #include <pdoik/pdoik.hpp>
 

@@ -31,7 +31,7 @@ SLOWEST = (
     "test_view_narrow",
     "test_readme",
     "test_soak",
-    "test_sim2real_inference",
+    "test_inference",
 )
 
 

@@ -7,7 +7,7 @@ Random robots, goals, clouds and options (bench/ik/soak), all from seeds. Every 
 Pinocchio and by the hulls' definition, by brute force in double precision. Results are kept as they
 come and the same command continues where it was stopped; --solves and --steps may be raised.
 What fails is written to failures/ and ends the command with status 1: a file there can be replayed,
-and is a test once it lies in tests/python/soak_cases. --quick is a two-minute version.
+and is a test once it lies in tests/python/benches/ik/soak_cases. --quick is a two-minute version.
 """
 
 import json

@@ -8,9 +8,9 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..effects.sensor_gain import SensorGain
-from ..effects.torque_saturation import kinds, top_of
-from ..effects.torque_speed_limit import falling_top_of
+from ..effects.drives.torque_saturation import kinds, top_of
+from ..effects.drives.torque_speed_limit import falling_top_of
+from ..effects.sensors.sensor_gain import SensorGain
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.motion import Motion

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.gravity_direction import GravityDirection
+from ..effects.bodies.gravity_direction import GravityDirection
 from ..motion.balances import Balances
 from ..motion.place import Key
 from ..regression.background import BACKGROUND, background, friction_at, is_scale

@@ -11,7 +11,7 @@ from scipy import stats
 from pdoik.descriptions import robot_facts
 from pdoik.recordings import FloatArray
 
-from ..effects.sensor_noise import SensorNoise
+from ..effects.sensors.sensor_noise import SensorNoise
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.prepare import Prepared

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.torque_saturation import TorqueSaturation
-from ..effects.torque_speed_limit import TorqueSpeedLimit
+from ..effects.drives.torque_saturation import TorqueSaturation
+from ..effects.drives.torque_speed_limit import TorqueSpeedLimit
 from ..findings import Support
 from ..thresholds.controllers import ControllerThresholds
 from .linear_law import Gained, Strip, explicit, followed_by_others, gained

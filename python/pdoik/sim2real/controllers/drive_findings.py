@@ -11,10 +11,10 @@ from pdoik.descriptions import robot_facts
 from pdoik.recordings import Recording
 
 from ..effects import CATALOGUE
-from ..effects.actuator_lag import ActuatorLag
-from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
-from ..effects.torque_saturation import OF_LAW, TorqueSaturation, kinds
-from ..effects.torque_speed_limit import TorqueSpeedLimit
+from ..effects.drives.actuator_lag import ActuatorLag
+from ..effects.drives.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
+from ..effects.drives.torque_saturation import OF_LAW, TorqueSaturation, kinds
+from ..effects.drives.torque_speed_limit import TorqueSpeedLimit
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
 from ..motion.ceiling import Ceiling, ceiling_of, pile_at
 from ..motion.prepare import Prepared

@@ -4,40 +4,40 @@ from __future__ import annotations
 
 import importlib.metadata
 
-from .actuator_lag import ActuatorLag
-from .asymmetric_friction import AsymmetricFriction
-from .backlash import Backlash
-from .command_delay import CommandDelay
-from .coulomb_friction import CoulombFriction
+from .bodies.gravity_direction import GravityDirection
+from .bodies.inertial import LinkInertials, Payload
+from .bodies.kinematic_error import KinematicError
+from .bodies.payload_error import PayloadError
+from .contacts.external_contact import ExternalContact
+from .contacts.ground import FootFriction, FootSoftness, GroundHeight, GroundSlope
+from .drives.actuator_lag import ActuatorLag
+from .drives.command_delay import CommandDelay
+from .drives.torque_gain import TorqueGain
+from .drives.torque_offset import TorqueOffset
+from .drives.torque_saturation import TorqueSaturation
+from .drives.torque_speed_limit import TorqueSpeedLimit
 from .effect import Effect
-from .external_contact import ExternalContact
-from .friction_drift import FrictionDrift
-from .gear_efficiency import GearEfficiency
-from .gravity_direction import GravityDirection
-from .ground import FootFriction, FootSoftness, GroundHeight, GroundSlope
-from .imu import ImuOffset, ImuTilt
-from .inertial import LinkInertials, Payload
-from .joint_coupling import JointCoupling
-from .joint_elasticity import JointElasticity
-from .joint_offset import JointOffset
-from .kinematic_error import KinematicError
-from .load_dependent_friction import LoadDependentFriction
-from .payload_error import PayloadError
-from .position_dependent_spring import PositionDependentSpring
-from .presliding_hysteresis import PreslidingHysteresis
-from .rotor_inertia import RotorInertia
-from .sensor_gain import SensorGain
-from .sensor_noise import SensorNoise
-from .strain_wave_error import StrainWaveError
-from .stribeck_friction import StribeckFriction
-from .timestamp_skew import TimestampSkew
-from .torque_gain import TorqueGain
-from .torque_offset import TorqueOffset
-from .torque_ripple import TorqueRipple
-from .torque_saturation import TorqueSaturation
-from .torque_speed_limit import TorqueSpeedLimit
+from .friction.asymmetric_friction import AsymmetricFriction
+from .friction.coulomb_friction import CoulombFriction
+from .friction.friction_drift import FrictionDrift
+from .friction.load_dependent_friction import LoadDependentFriction
+from .friction.presliding_hysteresis import PreslidingHysteresis
+from .friction.stribeck_friction import StribeckFriction
+from .friction.viscous_friction import ViscousFriction
+from .sensors.imu import ImuOffset, ImuTilt
+from .sensors.joint_offset import JointOffset
+from .sensors.sensor_gain import SensorGain
+from .sensors.sensor_noise import SensorNoise
+from .sensors.timestamp_skew import TimestampSkew
+from .transmission.backlash import Backlash
+from .transmission.gear_efficiency import GearEfficiency
+from .transmission.joint_coupling import JointCoupling
+from .transmission.joint_elasticity import JointElasticity
+from .transmission.position_dependent_spring import PositionDependentSpring
+from .transmission.rotor_inertia import RotorInertia
+from .transmission.strain_wave_error import StrainWaveError
+from .transmission.torque_ripple import TorqueRipple
 from .unknown import Unknown
-from .viscous_friction import ViscousFriction
 
 GROUP = "pdoik.effects"
 """Entry points of this group are classes of effects, or instances."""

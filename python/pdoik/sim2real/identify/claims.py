@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..effects.inertial import LinkInertials
-from ..effects.torque_gain import TorqueGain
+from ..effects.bodies.inertial import LinkInertials
+from ..effects.drives.torque_gain import TorqueGain
 from ..findings import ERRORS, Support
 from ..motion.balances import Balances
 from ..regression.fit import Fit, Term, TermKey, term_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ..effects import CATALOGUE
-from ..effects.torque_gain import TorqueGain
+from ..effects.drives.torque_gain import TorqueGain
 from ..regression.fit import Term
 from ..regression.trusted_bodies import DAYS
 from .hypothesis import Hypothesis

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.external_contact import ORIGIN, ExternalContact
+from ..effects.contacts.external_contact import ORIGIN, ExternalContact
 from ..motion.place import Place, Shape
 from ..regression.fit import Fit, Term, term_of
 from ..regression.one_more import gains_alone

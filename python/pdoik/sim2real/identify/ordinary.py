@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.coulomb_friction import CoulombFriction
-from ..effects.rotor_inertia import RotorInertia
-from ..effects.torque_gain import TorqueGain
-from ..effects.torque_offset import TorqueOffset
-from ..effects.viscous_friction import ViscousFriction
+from ..effects.drives.torque_gain import TorqueGain
+from ..effects.drives.torque_offset import TorqueOffset
+from ..effects.friction.coulomb_friction import CoulombFriction
+from ..effects.friction.viscous_friction import ViscousFriction
+from ..effects.transmission.rotor_inertia import RotorInertia
 from ..motion.balances import Balances
 from ..motion.place import Place, Shape
 from ..regression.background import imu_parts, usual_torque

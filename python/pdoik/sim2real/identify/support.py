@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.inertial import LinkInertials
-from ..effects.torque_gain import TorqueGain
+from ..effects.bodies.inertial import LinkInertials
+from ..effects.drives.torque_gain import TorqueGain
 from ..findings import HadBy, Support
 from ..regression.fit import Fit, Term
 from ..regression.tolerances import Tolerance

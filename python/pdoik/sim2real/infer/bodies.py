@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..effects.inertial import LinkInertials, Payload
+from ..effects.bodies.inertial import LinkInertials, Payload
 from ..findings import ERRORS, Estimate
 from ..identify.figures import estimates
 from ..identify.identified import Identified

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.friction_drift import FrictionDrift
+from ..effects.friction.friction_drift import FrictionDrift
 from ..findings import MOST_EQUIVALENTS, Equivalent, Finding
 from ..motion.place import Key
 from ..regression.background import friction_at

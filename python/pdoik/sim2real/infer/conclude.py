@@ -14,7 +14,7 @@ import numpy as np
 from ..channels.check_channels import ChannelCheck
 from ..controllers.check_controllers import ControllerCheck
 from ..effects import CATALOGUE
-from ..effects.inertial import Payload
+from ..effects.bodies.inertial import Payload
 from ..findings import (
     MOST_EQUIVALENTS,
     Diagnosis,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..effects.torque_saturation import OF_COMMAND, TorqueSaturation, kinds, top_of
+from ..effects.drives.torque_saturation import OF_COMMAND, TorqueSaturation, kinds, top_of
 from ..findings import Estimate, Evidence, Finding
 from ..motion.balances import Balances
 from ..motion.flat_top import FlatTop

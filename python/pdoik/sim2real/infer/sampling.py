@@ -14,7 +14,7 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.command_delay import OF_POSITION, OF_TORQUE, CommandDelay, period_of
+from ..effects.drives.command_delay import OF_POSITION, OF_TORQUE, CommandDelay, period_of
 from ..findings import Estimate
 from ..motion.balances import Balances
 from ..motion.place import Key, Place

@@ -15,7 +15,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects.imu import ImuOffset, ImuTilt
+from ..effects.sensors.imu import ImuOffset, ImuTilt
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Key, Place, Shape

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ..effects.drives.torque_channel import OF_DRIVE
+from ..effects.drives.torque_gain import TorqueGain
+from ..effects.drives.torque_offset import TorqueOffset
 from ..effects.effect import Effect
-from ..effects.torque_channel import OF_DRIVE
-from ..effects.torque_gain import TorqueGain
-from ..effects.torque_offset import TorqueOffset
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..effects import CATALOGUE, Effect
-from ..effects.inertial import LinkInertials
+from ..effects.bodies.inertial import LinkInertials
 from ..motion.balances import Balances
 from ..motion.motion import Motion
 from ..motion.place import Columns, Place, Shape

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE, Effect
-from ..effects.coulomb_friction import CoulombFriction
-from ..effects.external_contact import ExternalContact
-from ..effects.inertial import Payload
-from ..effects.torque_gain import TorqueGain
-from ..effects.viscous_friction import ViscousFriction
+from ..effects.bodies.inertial import Payload
+from ..effects.contacts.external_contact import ExternalContact
+from ..effects.drives.torque_gain import TorqueGain
+from ..effects.friction.coulomb_friction import CoulombFriction
+from ..effects.friction.viscous_friction import ViscousFriction
 from ..identify.company import fits_beside
 from ..identify.hypothesis import Hypothesis, ordinary, peculiar
 from ..identify.linearisation import Linearisation, Series

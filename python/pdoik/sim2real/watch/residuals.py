@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray, Recording
 
 from ..effects import CATALOGUE
-from ..effects.coulomb_friction import CoulombFriction
-from ..effects.presliding_hysteresis import PreslidingHysteresis
-from ..effects.torque_channel import OF_BOTH
-from ..effects.torque_gain import TorqueGain
-from ..effects.torque_offset import TorqueOffset
+from ..effects.drives.torque_channel import OF_BOTH
+from ..effects.drives.torque_gain import TorqueGain
+from ..effects.drives.torque_offset import TorqueOffset
+from ..effects.friction.coulomb_friction import CoulombFriction
+from ..effects.friction.presliding_hysteresis import PreslidingHysteresis
 from ..model.model import Model
 from ..model.predict import body_of, places_of, torque_of, torques_along
 from ..motion.motion import Motion, motion_of

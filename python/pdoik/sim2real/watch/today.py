@@ -6,8 +6,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects.coulomb_friction import CoulombFriction
-from ..effects.viscous_friction import ViscousFriction
+from ..effects.friction.coulomb_friction import CoulombFriction
+from ..effects.friction.viscous_friction import ViscousFriction
 from ..model.healthy import Healthy
 from ..motion.place import Place
 from ..thresholds.watch import WatchThresholds

@@ -1,0 +1,1 @@
+"""Bodies and where they are: masses, loads, geometry, which way is down."""

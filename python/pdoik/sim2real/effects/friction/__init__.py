@@ -1,0 +1,1 @@
+"""What rubs in a joint."""

@@ -1,0 +1,1 @@
+"""What reads a machine: encoders, clocks, an IMU."""

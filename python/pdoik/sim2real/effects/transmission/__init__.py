@@ -1,0 +1,1 @@
+"""What is between a motor and its link: rotors, gears, springs, play."""
