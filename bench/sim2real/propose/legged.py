@@ -34,7 +34,8 @@ from bench.sim2real.legged.score import CLAIMED, figures_of, is_right
 from bench.sim2real.legged.sensors import measured, sensors, write_log, write_study
 from bench.sim2real.legged.spec import Array, Spec
 from bench.sim2real.legged.world import GRAVITY, build
-from pdoik.sim2real import Diagnosis, examine, model_of
+from pdoik.sim2real import Diagnosis, Model, examine, load_study, model_of, prepare
+from pdoik.sim2real.identify.predicted import recorded
 from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, propose
 
 KINDS = ("coulomb_friction", "viscous_friction", "rotor_inertia", "torque_offset", "torque_gain")
@@ -60,18 +61,22 @@ def main(
     count: Annotated[int, typer.Option(min=1, help="Machines.")] = 6,
     search: Annotated[float, typer.Option(help="Seconds that each search takes.")] = 40.0,
     seed: cli.Seed = 500,
+    fit_only: Annotated[
+        bool, typer.Option("--fit-only", help="Ordinary figures fitted to the logs, no diagnosis.")
+    ] = False,
 ) -> None:
     """Diagnose, propose, run, diagnose again, score."""
     if quick:
         count, search, out = 1, 5.0, out.with_name(out.name + "-quick")
     settings = {"experiment": "propose legged", "code": code_digest("legged"), "search": search}
+    settings["fit only"] = fit_only
     with cli.plain_errors():
         campaign, names = Campaign(out, settings), []
         for number in range(seed, seed + count):
             for way, base in WAYS:
                 names.append(f"{number}-{way}-{base}")
                 if not campaign.has(names[-1]):
-                    campaign.keep(names[-1], [row_of(number, way, base, search, out)])
+                    campaign.keep(names[-1], [row_of(number, way, base, search, out, fit_only)])
                 row = campaign.gather(names[-1:]).iloc[0]
                 cli.console.print(
                     f"{names[-1]}: {row.right} of {WRONG} right, {row.false} false, figures off"
@@ -183,7 +188,7 @@ def policy_of(wrong: Wrong, way: str, base: Carried, proposal: Proposal | None) 
     return Posture(wrong.machine.robot, time_, q, torques)
 
 
-def row_of(seed: int, way: str, base: Carried, search: float, out: Path) -> Row:
+def row_of(seed: int, way: str, base: Carried, search: float, out: Path, fit_only: bool) -> Row:
     """Of one machine moved once more; the report of its first logs is kept for all ways."""
     wrong, begin = Wrong.drawn(seed), time.perf_counter()
     row: Row = {"seed": seed, "way": way, "base": base}
@@ -193,7 +198,10 @@ def row_of(seed: int, way: str, base: Carried, search: float, out: Path) -> Row:
         try:
             if way == "none":
                 if not first.is_dir():
-                    _diagnosed(wrong.write(first / "study"), first / "report")
+                    begun = wrong.write(first / "study")
+                    (_unasked if fit_only else _diagnosed)(begun, first / "report")
+                if fit_only:
+                    return {**EMPTY, **row, "off": fitted(wrong, first / "study" / "study.yaml")}
                 text = (first / "report" / "diagnosis.json").read_text()
                 return {**EMPTY, **scored(wrong, Diagnosis.from_json(text)), **row}
             proposal = None
@@ -204,8 +212,11 @@ def row_of(seed: int, way: str, base: Carried, search: float, out: Path) -> Row:
                 proposal = propose(first / "report", wishes)
                 row["expected"] = float(np.median([each.gain for each in proposal.figures]))
             policy = policy_of(wrong, way, base, proposal)
-            after = _diagnosed(wrong.write(study, (policy, base)), report)
-            row = scored(wrong, after) | row
+            made = wrong.write(study, (policy, base))
+            if fit_only:
+                row["off"] = fitted(wrong, made)
+            else:
+                row = scored(wrong, _diagnosed(made, report)) | row
         except (NothingToSettleError, ValueError, RuntimeError) as error:
             row["error"] = f"{type(error).__name__}: {error}"
     return {**EMPTY, **row, "seconds": time.perf_counter() - begin}
@@ -215,6 +226,15 @@ EMPTY: Row = {
     **{"way": "none", "base": "-", "right": 0, "false": 0, "off": 1.0, "error": ""},
     **{"said": "[]", "hidden": "[]", "expected": float("nan"), "seconds": 0.0},
 }
+
+
+def _unasked(study: Path, report: Path) -> Diagnosis:
+    """A report in which nothing was looked for."""
+    nothing = Diagnosis(verdict="cannot_tell", findings=(), joints={})
+    report.mkdir()
+    (report / "diagnosis.json").write_text(nothing.to_json())
+    Model.of_study(load_study(study)).save(report)
+    return nothing
 
 
 def _diagnosed(study: Path, report: Path) -> Diagnosis:
@@ -243,6 +263,34 @@ def scored(wrong: Wrong, diagnosis: Diagnosis) -> Row:
         "said": json.dumps([[f["effect"], f["joints"], f["confidence"]] for f in claimed]),
         "hidden": json.dumps([[each["effect"], each["joints"]] for each in hidden]),
     }
+
+
+def fitted(wrong: Wrong, study: Path) -> float:
+    """How far figures of joints are off where ordinary physics alone is fitted to the logs.
+
+    Of dry and viscous friction, rotor and zero of every joint, each as a share of what is usual.
+    """
+    read = load_study(study)
+    fit = prepare(read).fit
+    model, machine, off = recorded(fit, read.thresholds.priors.bodies), wrong.machine, []
+    true = {
+        "coulomb_friction": machine.coulomb,
+        "viscous_friction": machine.viscous,
+        "rotor_inertia": machine.rotor - machine.robot.rotor,
+        "torque_offset": machine.sensor_offset,
+    }
+    usual = {
+        "coulomb_friction": machine.robot.load,
+        "viscous_friction": machine.robot.load / machine.robot.speed,
+        "rotor_inertia": machine.robot.rotor,
+        "torque_offset": machine.robot.load,
+    }
+    for each, span in model.placed:
+        name, joints = each.term.effect, each.term.place.joints
+        if each.ordinary and name in true:
+            j = joints[0]
+            off.append(abs(float(model.beta[span][0]) - true[name][j]) / usual[name][j])
+    return float(np.mean(off))
 
 
 def _off(found: list[dict[str, Any]], hidden: dict[str, Any]) -> float:
