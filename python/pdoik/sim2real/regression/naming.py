@@ -31,7 +31,7 @@ def finding_of(
 ) -> Finding:
     """The finding a term stands for."""
     study = prepared.study
-    place = _without_idle_gate(term.place, study)
+    place = without_idle_gate(term.place, study)
     effect = CATALOGUE[term.effect]
     joints = tuple(study.joints[j] for j in place.joints)
     links = link_of(prepared, term)
@@ -145,7 +145,7 @@ def gate_in_words(gate: Gate | None, start: str, begins: tuple[str, float] | Non
     return f"{start}{words}{'.' if start.startswith(' ') else ''}"
 
 
-def _without_idle_gate(place: Place, study: Study) -> Place:
+def without_idle_gate(place: Place, study: Study) -> Place:
     """A place; without its gate where that is open in all fitted recordings throughout."""
     gate = place.gate
     if gate is None or gate.of == "clock":

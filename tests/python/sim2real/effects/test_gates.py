@@ -23,7 +23,7 @@ from pdoik.sim2real.findings import Estimate
 from pdoik.sim2real.motion.balances import columns_of
 from pdoik.sim2real.motion.motion import Motion
 from pdoik.sim2real.motion.place import Gate, Place
-from pdoik.sim2real.regression.naming import _without_idle_gate
+from pdoik.sim2real.regression.naming import without_idle_gate
 from pdoik.sim2real.simulation import Simulator
 from pdoik.sim2real.simulation.parts import Part
 from sim2real_robots import ABOUT_PIVOT, TURNTABLE, commands
@@ -155,5 +155,5 @@ def test_a_gate_that_is_open_in_every_recording_is_none() -> None:
         (Gate(of="time", low=0.5), False),
     ):
         place = Place(joints=(0,), gate=gate)
-        kept = _without_idle_gate(place, study)  # type: ignore[arg-type]
+        kept = without_idle_gate(place, study)  # type: ignore[arg-type]
         assert (kept.gate is None) == idle
