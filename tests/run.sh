@@ -13,6 +13,7 @@ stage_lint() {
   PYTHONPATH=python .venv/bin/lint-imports --no-cache
   find cpp tests bench python/bindings -regex '.*\.[chi]\(pp\|nl\)' -print0 |
     xargs -0 .venv/bin/clang-format --dry-run -Werror
+  .venv/bin/python tests/faces.py
   .venv/bin/python python/bindings/option_fields.py --check
   bash python/bindings/stubs.sh --check
 }

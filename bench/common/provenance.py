@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from bench.common.peer_library import ROOT
-from pdoik.reports.write import this_build
+from pdoik.reports import this_build
 
 
 def provenance(folder: Path) -> dict[str, str]:

@@ -19,12 +19,16 @@ from scipy.spatial.transform import Rotation
 
 from bench.common.arrays import FloatArray
 from bench.humanoid.world.robot import OCCUPANCY
-from pdoik.occupancy_fit import OccupancyFit
-from pdoik.occupancy_fit import hulls as fitting
-from pdoik.occupancy_fit.hulls import Spheroid, half_sum, tidy_point
-from pdoik.occupancy_fit.report import FitReport
-from pdoik.occupancy_fit.rough import rough_shapes
-from pdoik.occupancy_fit.split import clip
+from pdoik.occupancy_fit import (
+    FitReport,
+    OccupancyFit,
+    Spheroid,
+    clip,
+    half_sum,
+    rough_shapes,
+    tidy_point,
+)
+from pdoik.occupancy_fit import hulls as fitting  # inside: its steps are timed one by one
 from pdoik.view.h1_shapes import SHAPES, Shape
 
 SAMPLES = 4000  # per shape or hull

@@ -14,7 +14,7 @@ import typer
 
 from pdoik._files import renamed_when_whole
 from pdoik.sim2real import StudyCheck, check_study
-from pdoik.sim2real.report.style import house_style
+from pdoik.sim2real.report import house_style
 from pdoik.sim2real.study_check import Visible
 
 Row = tuple[str, str, str]  # effect, variant, unit

@@ -23,7 +23,7 @@ from .errors import LoadError
 if TYPE_CHECKING:
     import pdoik._addresses
 
-    from .descriptions.text import Kind, RobotDescription
+    from .descriptions import Kind, RobotDescription
 
 read_urdf = Robot.from_urdf  # the compiled one, of text alone, which `from_urdf` below replaces
 
@@ -75,8 +75,7 @@ def from_urdf(
         RobotWarning: Oddities that do not stop kinematics, such as missing velocity limits, which
             are taken as none, and inertias no body can have.
     """
-    from .descriptions.load import load_given
-    from .descriptions.text import RobotDescription
+    from .descriptions import RobotDescription, load_given
 
     text = str(path_or_xml).lstrip("\ufeff" + whitespace)  # a byte order mark may come first
     if text.startswith("<"):
@@ -116,7 +115,7 @@ def from_xacro(
         LoadError: As there; or xacro refuses the file.
         MissingExtraError: The package xacro is not installed.
     """
-    from .descriptions.load import load_given
+    from .descriptions import load_given
 
     given = _given_file(path, None, packages, "urdf", "xacro")
     given = replace(given, kind="xacro", arguments=arguments or {})
@@ -151,7 +150,7 @@ def from_mjcf(
     Raises:
         LoadError: As there; or MuJoCo is not installed or refuses the file, or a joint is a ball.
     """
-    from .descriptions.load import load_given
+    from .descriptions import load_given
 
     given = _given_file(path, None, (), "mjcf")
     return load_given(given, base_link, tip_link, T_world_base, floating_base, srdf, hulls)
@@ -187,8 +186,7 @@ def from_description(
     Raises:
         LoadError: As there; or no robot has this name, or its package cannot get the files.
     """
-    from .descriptions.load import load_given, load_robot
-    from .descriptions.text import RobotDescription, shipped_name
+    from .descriptions import RobotDescription, load_given, load_robot, shipped_name
 
     if shipped_name(name) is not None:
         return load_robot(
@@ -215,7 +213,7 @@ def _given_file(
         LoadError: There is no such file, or it is of another kind.
     """
     from ._addresses import at_home
-    from .descriptions.text import RobotDescription
+    from .descriptions import RobotDescription
 
     file = at_home(path)
     try:

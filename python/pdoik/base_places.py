@@ -193,7 +193,7 @@ class BasePlaces:
             MissingExtraError: matplotlib is not installed.
         """
         with asks_for("plot"):
-            from pdoik.picture.places import place_map
+            from pdoik.picture import place_map
         return place_map(self, path, title)
 
     def save(self, path: str | Path) -> None:

@@ -14,8 +14,7 @@ import pdoik
 from bench.common.whole_files import write_text
 from bench.ik.experiment import Arm
 from bench.ik.judges.arm_meshes import arm_meshes
-from pdoik.occupancy_fit.hulls import tidy_point
-from pdoik.occupancy_fit.split import cover_stages
+from pdoik.occupancy_fit import cover_stages, tidy_point
 
 MOST_PARTS = 10
 

@@ -24,7 +24,7 @@ from bench.ik.judges.meshes import self_judge
 from bench.ik.problems.hulls import fitted_robot
 from bench.ik.problems.robots import robot_files
 from pdoik.link_pairs import sample_pairs
-from pdoik.occupancy_fit.geometry import load_geometry
+from pdoik.occupancy_fit import load_geometry
 from pdoik.view.h1_shapes import SHAPES
 
 CLEARANCES = (0.0, -0.002, -0.004)  # [m]

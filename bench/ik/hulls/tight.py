@@ -25,11 +25,20 @@ from bench.humanoid.hulls import circumscribed, distance, turn_of_z
 from bench.ik.experiment import Arm
 from bench.ik.judges.arm_meshes import arm_meshes
 from pdoik.link_pairs import sample_pairs
-from pdoik.occupancy_fit import Capsule, FitReport, OccupancyFit, Piece, fit_link, fit_pieces
-from pdoik.occupancy_fit.hulls import MARGIN, tidy_point
-from pdoik.occupancy_fit.overhang import overhang
-from pdoik.occupancy_fit.segments import Capsules
-from pdoik.occupancy_fit.solid import Solid, spread
+from pdoik.occupancy_fit import (
+    MARGIN,
+    Capsule,
+    Capsules,
+    FitReport,
+    OccupancyFit,
+    Piece,
+    Solid,
+    fit_link,
+    fit_pieces,
+    overhang,
+    spread,
+    tidy_point,
+)
 from pdoik.view.h1_shapes import SHAPES, Shape
 
 Shipped = StrEnum("Shipped", ["panda", "ur10", "iiwa14", "h1"])

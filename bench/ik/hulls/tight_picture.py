@@ -13,11 +13,7 @@ from bench.common.arrays import FloatArray
 from bench.humanoid.hulls import capsule_mesh
 from bench.ik.judges.arm_meshes import public_robot
 from bench.ik.pictures import cube, faces, plt, save
-from pdoik.occupancy_fit import fit_capsules
-from pdoik.occupancy_fit.geometry import load_geometry
-from pdoik.occupancy_fit.overhang import overhang
-from pdoik.occupancy_fit.segments import Capsules
-from pdoik.occupancy_fit.solid import Solid, subdivide
+from pdoik.occupancy_fit import Capsules, Solid, fit_capsules, load_geometry, overhang, subdivide
 
 LARGEST = 0.008  # edge of what is drawn: larger ones are sorted wrongly [m]
 SECTIONS = 28  # of a capsule's circles

@@ -16,7 +16,7 @@ import pinocchio
 from bench.common.arrays import FloatArray, moved
 from bench.common.descriptions import MissingDescriptionError, example_robot_data
 from bench.ik.experiment import Arm
-from pdoik.occupancy_fit.geometry import load_geometry
+from pdoik.occupancy_fit import load_geometry
 
 UR = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
 

@@ -12,7 +12,7 @@ import pdoik
 from bench.common.arrays import FloatArray
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.solids import Solid
-from pdoik.scenes.pieces import Piece, Thing, mesh, shapes_of
+from pdoik.scenes import Piece, Thing, mesh, shapes_of
 
 LEAF = 0.01  # of the cloud [m]
 SPACING = LEAF / 3  # of the points of a surface [m]

@@ -30,10 +30,10 @@ from bench.common.whole_files import write_whole
 from bench.sim2real.concealed.score import last_link, same
 from bench.sim2real.frame.score import as_diagnosis, by_confidence
 from bench.sim2real.machines.score import judged
-from pdoik.sim2real.effects.unknown import Unknown
-from pdoik.sim2real.findings import Support
-from pdoik.sim2real.identify.confidence import features
-from pdoik.sim2real.thresholds.confidence import ConfidenceThresholds
+from pdoik.sim2real import Support
+from pdoik.sim2real.effects import Unknown
+from pdoik.sim2real.identify import features
+from pdoik.sim2real.thresholds import ConfidenceThresholds
 
 _PRIOR = 0.5  # inverse variance of the weights, about the default's signs
 _EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)

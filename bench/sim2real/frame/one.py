@@ -48,7 +48,7 @@ def main(study: str, result: str) -> int:
 def diagnosed(examination: Any) -> dict[str, Any]:
     """The diagnosis as its file has it, and errors of replayed motion."""
     from pdoik.sim2real import model_of
-    from pdoik.sim2real.evidence.replays import replays_of
+    from pdoik.sim2real.evidence import replays_of
 
     begin = time.perf_counter()
     try:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from bench.common.whole_files import write_whole
 from pdoik import sim2real
-from pdoik.sim2real.report.style import AFTER, BEFORE, MEASURED, house_style, png_of
+from pdoik.sim2real.report import AFTER, BEFORE, MEASURED, house_style, png_of
 
 SHOWN = (6.0, 9.0)  # of the first recording [s]
 

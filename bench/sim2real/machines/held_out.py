@@ -26,7 +26,7 @@ from bench.sim2real.machines.plan import WorldSpec
 from bench.sim2real.machines.simulate import torque_of
 from bench.sim2real.machines.worlds import Tool, World, Worlds, joint_table, worlds_of
 from pdoik.sim2real import load_study
-from pdoik.sim2real.motion.prepare import prepare
+from pdoik.sim2real.motion import prepare
 
 _LAWFUL = {
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "asymmetric_friction"),

@@ -22,13 +22,9 @@ from bench.sim2real.frame.tracks import (
     study_tracks,
 )
 from pdoik.sim2real import load_study
-from pdoik.sim2real.identify.candidates import candidates
-from pdoik.sim2real.identify.figures import estimates
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.regression.fit import Fit
-from pdoik.sim2real.regression.one_more import OneMore
-from pdoik.sim2real.regression.repeats import repeats_of
+from pdoik.sim2real.identify import candidates, estimates
+from pdoik.sim2real.motion import Balances, prepare
+from pdoik.sim2real.regression import Fit, OneMore, repeats_of
 
 STEP = 0.02  # between rows [s]
 BLOCK = 1.0  # rows within which count as one for errors [s]

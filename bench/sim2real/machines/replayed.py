@@ -26,7 +26,7 @@ from bench.sim2real.machines.figures import Array
 from bench.sim2real.machines.held_out import draft_behind
 from bench.sim2real.machines.worlds import Tool, World, Worlds, joint_table, worlds_of
 from pdoik.sim2real import Diagnosis, Model, load_study
-from pdoik.sim2real.simulation.stepper import SimulationError
+from pdoik.sim2real.simulation import SimulationError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

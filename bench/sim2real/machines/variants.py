@@ -15,8 +15,7 @@ import numpy as np
 
 from bench.sim2real.machines.regression import named_by_regression, named_stepwise
 from pdoik.sim2real import diagnose
-from pdoik.sim2real.identify.model import Model
-from pdoik.sim2real.identify.posterior import Posterior
+from pdoik.sim2real.identify import Model, Posterior
 from pdoik.sim2real.thresholds import Thresholds
 
 Method = Callable[[Path], list[dict[str, Any]]]

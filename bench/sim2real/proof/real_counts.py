@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.unknown import VARIABLES
+from pdoik.sim2real.effects import CATALOGUE, VARIABLES
 
 Content = Mapping[str, Any]
 Finding = Mapping[str, Any]

@@ -15,8 +15,7 @@ from bench.sim2real.proof.real_counts import (
     is_refusal,
     named,
 )
-from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.unknown import VARIABLES
+from pdoik.sim2real.effects import CATALOGUE, VARIABLES
 
 Range = tuple[float, float]
 

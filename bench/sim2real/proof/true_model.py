@@ -17,11 +17,9 @@ from bench.common.campaign import Job, Row
 from bench.sim2real.frame.sealed import SEALED, STUDIES
 from pdoik.sim2real import CATALOGUE, Prepared, load_study, prepare
 from pdoik.sim2real.effects import Effect
-from pdoik.sim2real.infer.verdict import preferred
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.place import Key, Place
-from pdoik.sim2real.regression.fit import Fit, Term
-from pdoik.sim2real.regression.trusted_bodies import TRUST, trusted
+from pdoik.sim2real.infer import preferred
+from pdoik.sim2real.motion import Balances, Key, Place
+from pdoik.sim2real.regression import TRUST, Fit, Term, trusted
 
 Entry = Mapping[str, Any]  # of a truth's effects
 Array = NDArray[np.float64]

@@ -33,9 +33,8 @@ from bench.sim2real.frame.study_files import joint_names
 from bench.sim2real.propose.worlds import WAYS, PoorWorld, Way, poor_world
 from pdoik.sim2real import CATALOGUE, Diagnosis, examine, model_of
 from pdoik.sim2real.effects import Effect
-from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, propose
-from pdoik.sim2real.propose.questions import open_findings
-from pdoik.sim2real.propose.questions import said as in_words
+from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, open_findings, propose
+from pdoik.sim2real.propose import said as in_words
 
 SECONDS = 20.0
 SURE = 0.9

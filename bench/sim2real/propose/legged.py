@@ -35,7 +35,7 @@ from bench.sim2real.legged.sensors import measured, sensors, write_log, write_st
 from bench.sim2real.legged.spec import Array, Spec
 from bench.sim2real.legged.world import GRAVITY, build
 from pdoik.sim2real import Diagnosis, Model, examine, load_study, model_of, prepare
-from pdoik.sim2real.identify.predicted import recorded
+from pdoik.sim2real.identify import recorded
 from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, propose
 
 KINDS = ("coulomb_friction", "viscous_friction", "rotor_inertia", "torque_offset", "torque_gain")

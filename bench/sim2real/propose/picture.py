@@ -19,11 +19,10 @@ import typer
 from bench.sim2real.concealed.spec import WorldSpec
 from bench.sim2real.propose.worlds import poor_world
 from pdoik._files import renamed_when_whole
-from pdoik.sim2real import Diagnosis, Equivalent, examine, load_study, model_of
-from pdoik.sim2real.diagnose import made_ready
-from pdoik.sim2real.effects.friction.presliding_hysteresis import bristle
+from pdoik.sim2real import Diagnosis, Equivalent, examine, load_study, made_ready, model_of
+from pdoik.sim2real.effects.friction import bristle
 from pdoik.sim2real.propose import Proposal, Wishes, propose
-from pdoik.sim2real.report.style import house_style
+from pdoik.sim2real.report import house_style
 
 SPEC = WorldSpec(seed=8000, effect="coulomb_friction", robot="random3")
 JOINT = "joint2"

@@ -22,7 +22,7 @@ from scipy import optimize
 from bench.common.commands import write_report
 from bench.sim2real.servo.study import FOLDER, GAINS, LENGTH, LIMIT, MASS, MOTIONS, UNIT, study
 from pdoik.sim2real import Examination, Model, Recording, examine, servo_model
-from pdoik.sim2real.evidence.servo_model import with_drive
+from pdoik.sim2real.evidence import with_drive
 
 FloatArray = NDArray[np.float64]
 

@@ -21,14 +21,19 @@ from bench.common.commands import BUILD, OutFolder, console
 from bench.common.markdown import markdown_table
 from bench.sim2real.simulators.robots import Robot, position_servos, robots
 from pdoik.sim2real import Recording, Thresholds
-from pdoik.sim2real.simulation.description import read_description
-from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
-from pdoik.sim2real.simulation.plant import build_plant
-from pdoik.sim2real.simulators.candidates import EVERY, Knob, baseline
-from pdoik.sim2real.simulators.experiment import simulated
-from pdoik.sim2real.simulators.explain import explain
-from pdoik.sim2real.simulators.findings import Step, place_of, step_of
-from pdoik.sim2real.simulators.user_model import UserModel, user_model
+from pdoik.sim2real.simulation import build_plant, mjcf_text, movable_joints, read_description
+from pdoik.sim2real.simulators import (
+    EVERY,
+    Knob,
+    Step,
+    UserModel,
+    baseline,
+    explain,
+    place_of,
+    simulated,
+    step_of,
+    user_model,
+)
 
 PERIOD = 5e-3  # of the logs [s]
 SAME = {"kv": {"kv", "damping"}, "damping": {"damping", "kv"}, "mass": {"mass", "payload"}}

@@ -18,9 +18,8 @@ from matplotlib.figure import Figure
 from bench.common.descriptions import go2_urdf
 from bench.common.whole_files import write_whole
 from bench.sim2real.simulators.robots import compared, errors_by_joint, found_in
-from pdoik.sim2real.report.style import AFTER, BEFORE, MEASURED, house_style, png_of
-from pdoik.sim2real.simulators.candidates import Knob
-from pdoik.sim2real.simulators.compare import Comparison
+from pdoik.sim2real.report import AFTER, BEFORE, MEASURED, house_style, png_of
+from pdoik.sim2real.simulators import Comparison, Knob
 
 MAKERS = {"damping": 0.6, "frictionloss": 0.2, "armature": 0.01}
 LEG = 3  # joints of one

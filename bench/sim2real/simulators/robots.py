@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bench.common.descriptions import MissingDescriptionError, go2_urdf, shipped
 from bench.common.markdown import markdown_table
-from pdoik.sim2real.simulators.compare import Comparison, compare
+from pdoik.sim2real.simulators import Comparison, compare
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

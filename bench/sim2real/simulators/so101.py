@@ -19,9 +19,7 @@ import typer
 
 from bench.common.descriptions import published
 from bench.sim2real.simulators.robots import compared, position_servos, told_of
-from pdoik.sim2real.simulation.description import read_description
-from pdoik.sim2real.simulation.mjcf import mjcf_text, movable_joints
-from pdoik.sim2real.simulation.plant import build_plant
+from pdoik.sim2real.simulation import build_plant, mjcf_text, movable_joints, read_description
 
 LOGGED = {
     "shoulder_pan": "rotation",

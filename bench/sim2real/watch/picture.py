@@ -13,9 +13,7 @@ from matplotlib.figure import Figure
 
 from bench.sim2real.watch.machine import JOINTS, SEED, Machine, Onset
 from pdoik import sim2real
-from pdoik.sim2real.watch.charts import Charts
-from pdoik.sim2real.watch.residuals import Residuals, joined
-from pdoik.sim2real.watch.windows import Rows, Windows
+from pdoik.sim2real.watch import Charts, Residuals, Rows, Windows, joined
 
 JOINT, NUMBER, SINCE, SECONDS = 3, 501, 31.0, 60.0
 CHARTS = ("offset", "friction", "gain")

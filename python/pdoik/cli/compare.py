@@ -42,7 +42,7 @@ def compare(
     with asks_for("sim2real"), misuse_fails():
         from pdoik.sim2real import SimulationError
         from pdoik.sim2real.simulators import compare as compared
-        from pdoik.sim2real.simulators.write import write
+        from pdoik.sim2real.simulators import write
 
         with story() as tell:
             try:
@@ -58,8 +58,8 @@ _LINES = 12  # of findings of a step
 
 
 def _print(comparison: Comparison) -> None:
-    from pdoik.sim2real.report.words import number
-    from pdoik.sim2real.simulators.words import finding_line, headline
+    from pdoik.sim2real.report import number
+    from pdoik.sim2real.simulators import finding_line, headline
 
     for pair in comparison.pairs:
         said = (

@@ -18,8 +18,8 @@ from .messages import NOT_SOLVED, err, fail, misuse_fails, out
 from .story import story
 
 if TYPE_CHECKING:
-    from pdoik.sim2real.findings import Diagnosis
-    from pdoik.sim2real.report.matrix import Matrix
+    from pdoik.sim2real import Diagnosis
+    from pdoik.sim2real.report import Matrix
 
 
 def diagnose(
@@ -78,9 +78,15 @@ _WIDTH = 118  # of tables where nobody looks at a terminal
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """The verdict, joints by what several of them have, what is peculiar, what would decide."""
-    from pdoik.sim2real.controllers.words import contradictions, of_load
-    from pdoik.sim2real.report.matrix import line, matrix_of
-    from pdoik.sim2real.report.words import VERDICTS, changes_words, percent, suspected_words
+    from pdoik.sim2real.controllers import contradictions, of_load
+    from pdoik.sim2real.report import (
+        VERDICTS,
+        changes_words,
+        line,
+        matrix_of,
+        percent,
+        suspected_words,
+    )
 
     matrix = matrix_of(diagnosis)
     out.print(f"[bold]{escape(VERDICTS[diagnosis.verdict][0])}[/]", highlight=False)
@@ -108,8 +114,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 
 
 def _joints(diagnosis: Diagnosis, matrix: Matrix) -> Table:
-    from pdoik.sim2real.report.matrix import cell, heading
-    from pdoik.sim2real.report.words import joint_state, number, residue_words
+    from pdoik.sim2real.report import cell, heading, joint_state, number, residue_words
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("joint", no_wrap=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pdoik
-from pdoik.reports.goals import goals_entry
+from pdoik.reports import goals_entry
 
 from .obstacles import Obstacles
 from .solution import AllSolutions, Solution, distance_to

@@ -22,8 +22,8 @@ import numpy.typing as npt
 
 from pdoik._core import Goal
 from pdoik._extras import asks_for
-from pdoik.reports.values import Entry
-from pdoik.scenes.values import EntryError, read_text
+from pdoik.reports import Entry
+from pdoik.scenes import EntryError, read_text
 
 from .messages import warn_of_degrees
 from .target import rigid, rotation_of_rpy, rotation_of_xyzw

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from pdoik.scenes.values import EntryError, read_text
+from pdoik.scenes import EntryError, read_text
 
 from .target import rotation_of_xyzw
 

@@ -52,7 +52,7 @@ def reading_of(columns: Path | None) -> Reading:
         LoadError: The study is none.
     """
     from pdoik.recordings import Reading
-    from pdoik.sim2real.study.reading_key import reading_of_study
+    from pdoik.sim2real.study import reading_of_study
 
     return Reading() if columns is None else reading_of_study(columns)
 

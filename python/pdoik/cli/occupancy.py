@@ -21,8 +21,7 @@ from .robots import PackageDirs, RobotArgument, XacroArguments, described
 from .solve_files import check_picture
 
 if TYPE_CHECKING:
-    from pdoik.occupancy_fit import FitReport, OccupancyFit
-    from pdoik.occupancy_fit.geometry import LinkGeometry
+    from pdoik.occupancy_fit import FitReport, LinkGeometry, OccupancyFit
 
 
 def occupancy(
@@ -73,8 +72,11 @@ def occupancy(
     [bold]Example[/]: pdoik occupancy arm.urdf --package-dir share --out arm.occupancy.yaml
     """
     from pdoik.errors import OverhangWarning
-    from pdoik.occupancy_fit import AIM, fit_occupancy  # SciPy and trimesh take long to import
-    from pdoik.occupancy_fit.geometry import load_geometry
+    from pdoik.occupancy_fit import (  # SciPy and trimesh take long to import
+        AIM,
+        fit_occupancy,
+        load_geometry,
+    )
 
     if shipped_name(robot) is not None:
         fail(f"{robot} is shipped and has its hulls; expected a file or an installed description")
@@ -154,7 +156,7 @@ def occupancy(
 
 def _draw(picture: Path, fit: OccupancyFit, links: list[LinkGeometry]) -> None:
     with asks_for("plot"):
-        from pdoik.picture.overhangs import draw_overhangs  # Matplotlib takes long to import
+        from pdoik.picture import draw_overhangs  # Matplotlib takes long to import
     with misuse_fails("--picture"):
         draw_overhangs(picture, fit.capsules, {link.name: link.triangles for link in links})
     tell(f"wrote {picture}")

@@ -252,7 +252,7 @@ def path(
         _write(out_file, answer, is_timed)
     if picture is not None:
         with asks_for("plot"):
-            from pdoik.picture.path import draw_path  # matplotlib takes longer than most paths
+            from pdoik.picture import draw_path  # matplotlib takes longer than most paths
         with misuse_fails("--picture"):
             draw_path(picture, solver, answer.result, kept, title=f"{loaded.name}: {file.name}")
     if searched.is_stopped:

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from pdoik.scenes.values import EntryError, read_text
+from pdoik.scenes import EntryError, read_text
 
 from .goal_file import read_station_file, turn_onto
 from .messages import tell, warn, warn_of_degrees

@@ -33,8 +33,7 @@ from .robots import ANY_ROBOT, load_robot
 from .story import story
 
 if TYPE_CHECKING:
-    from pdoik.sim2real.propose import Proposal
-    from pdoik.sim2real.propose.clear import Clear
+    from pdoik.sim2real.propose import Clear, Proposal
 
 Base = StrEnum("Base", {"hang": "hang", "stand": "stand"})
 NOTHING = 3  # exit status where there is nothing to settle
@@ -222,7 +221,7 @@ def _clear(
     robot: pdoik.Robot | None, joints: tuple[str, ...], obstacles: object, options: pdoik.Options
 ) -> Clear | None:
     """What judges motions, or None with a warning where the robot has no hulls."""
-    from pdoik.sim2real.propose.clear import Clear
+    from pdoik.sim2real.propose import Clear
 
     if robot is None or not len(robot.occupancy):
         if obstacles is not None:

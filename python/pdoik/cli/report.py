@@ -9,9 +9,8 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from pdoik.reports.call import Call
-from pdoik.reports.requirements import Requirement
-from pdoik.reports.requirements import requirements as requirements_of
+from pdoik.reports import Call, Requirement
+from pdoik.reports import requirements as requirements_of
 
 from .advice import advice
 from .messages import out, warn

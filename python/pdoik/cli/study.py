@@ -171,7 +171,7 @@ def keys() -> None:
     [bold]Example[/]: pdoik study keys
     """
     with asks_for("sim2real"):
-        from pdoik.sim2real.study.key_tables import reference
+        from pdoik.sim2real.study import reference
     for title, table in reference().items():
         out.print(f"[bold]{escape(title)}[/]")
         for name, key in table.items():

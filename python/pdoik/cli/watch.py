@@ -23,7 +23,7 @@ from .motions import Columns, read_motion, reading_of
 if TYPE_CHECKING:
     from pdoik.recordings import Reading
     from pdoik.sim2real import Alarm, Watch
-    from pdoik.sim2real.watch.tail import Piece
+    from pdoik.sim2real.watch import Piece
 
     Pieces = Iterator[Piece]
     Stopped = Callable[[], bool]
@@ -140,7 +140,7 @@ def _tell(told: Iterable[Alarm], file: TextIO | None) -> None:
 def _pieces(
     logs: list[Path], joints: tuple[str, ...], reading: Reading, once: bool, stopped: Stopped
 ) -> Pieces:
-    from pdoik.sim2real.watch.tail import Folder, Tail
+    from pdoik.sim2real.watch import Folder, Tail
 
     if str(logs[0]) == "-":
         yield from _standard_input(joints, reading, stopped)
@@ -160,7 +160,7 @@ def _pieces(
 
 
 def _standard_input(joints: tuple[str, ...], reading: Reading, stopped: Stopped) -> Pieces:
-    from pdoik.sim2real.watch.csv_stream import CsvStream
+    from pdoik.sim2real.watch import CsvStream
 
     stream = CsvStream("standard input", joints, reading)
     number = sys.stdin.fileno()

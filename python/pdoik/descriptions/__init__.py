@@ -6,10 +6,18 @@ and the models that MuJoCo and Pinocchio make of it.
 """
 
 from .facts import JointFacts, RobotFacts
-from .load import load_robot
+from .load import load_given, load_robot
 from .mjcf import model_of_mjcf
 from .quiet_mujoco import quiet_mujoco
-from .text import RobotDescription, robot_facts, robot_file, shipped_name, urdf_file, urdf_text
+from .text import (
+    Kind,
+    RobotDescription,
+    robot_facts,
+    robot_file,
+    shipped_name,
+    urdf_file,
+    urdf_text,
+)
 from .xml import (
     UrdfJoint,
     attribute,
@@ -23,10 +31,12 @@ from .xml import (
 
 __all__ = [
     "JointFacts",
+    "Kind",
     "RobotDescription",
     "RobotFacts",
     "UrdfJoint",
     "attribute",
+    "load_given",
     "load_robot",
     "model_of_mjcf",
     "numbers",

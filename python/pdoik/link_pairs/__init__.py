@@ -5,7 +5,15 @@ MoveIt's Setup Assistant sorts them, an SRDF with them, and what share of free c
 hulls still refuse.
 """
 
+from .meshes import Mesh, meet
 from .report import ClearanceCount, PairCount, PairReport
 from .sample import sample_pairs
 
-__all__ = ["ClearanceCount", "PairCount", "PairReport", "sample_pairs"]
+__all__ = [
+    "ClearanceCount",
+    "Mesh",
+    "PairCount",
+    "PairReport",
+    "meet",
+    "sample_pairs",
+]

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pdoik
 
 from .._addresses import Packages
-from ..occupancy_fit.geometry import load_geometry
+from ..occupancy_fit import load_geometry
 from .meshes import Mesh, meet
 from .report import ClearanceCount, Pair, PairCount, PairReport, Verdict
 

@@ -8,27 +8,70 @@
 from pdoik._extras import asks_for
 
 with asks_for("files"):
+    from .beyond import Beyond
     from .capsules import AIM, Capsule, fit_capsules, fit_link
     from .fit import fit_occupancy
-    from .hulls import Sphere, Spheroid
-    from .pieces import Piece, fit_pieces
+    from .geometry import LinkGeometry, load_geometry
+    from .hulls import (
+        MARGIN,
+        Shape,
+        Sphere,
+        Spheroid,
+        convex_volume,
+        half_sum,
+        principal_axes,
+        smallest_shape,
+        tidy_point,
+    )
+    from .kept import read_fit
+    from .overhang import overhang, worst_place
+    from .pieces import TOLERANCE, Piece, fit_pieces
     from .report import FitReport, HullReport, LinkReport
     from .result import OccupancyFit
+    from .rough import Halves, rough_shapes
+    from .segments import Capsules
+    from .solid import Solid, spread, subdivide
+    from .split import clip, cover_stages, union_volume
     from .surfaces import LinkNews
+    from .twins import motion_between
 
 __all__ = [
     "AIM",
+    "MARGIN",
+    "TOLERANCE",
+    "Beyond",
     "Capsule",
+    "Capsules",
     "FitReport",
+    "Halves",
     "HullReport",
+    "LinkGeometry",
     "LinkNews",
     "LinkReport",
     "OccupancyFit",
     "Piece",
+    "Shape",
+    "Solid",
     "Sphere",
     "Spheroid",
+    "clip",
+    "convex_volume",
+    "cover_stages",
     "fit_capsules",
     "fit_link",
     "fit_occupancy",
     "fit_pieces",
+    "half_sum",
+    "load_geometry",
+    "motion_between",
+    "overhang",
+    "principal_axes",
+    "read_fit",
+    "rough_shapes",
+    "smallest_shape",
+    "spread",
+    "subdivide",
+    "tidy_point",
+    "union_volume",
+    "worst_place",
 ]

@@ -12,10 +12,7 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 from pdoik._files import write_whole
-from pdoik.occupancy_fit import Capsule
-from pdoik.occupancy_fit.overhang import worst_place
-from pdoik.occupancy_fit.segments import Capsules
-from pdoik.occupancy_fit.solid import Solid
+from pdoik.occupancy_fit import Capsule, Capsules, Solid, worst_place
 
 from .cube import Cube
 from .facets import FacetSoup

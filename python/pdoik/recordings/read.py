@@ -13,8 +13,7 @@ from pdoik.errors import LoadError
 
 from .columns import SUPPLY, Table
 from .logs import Log, Part, check_size, open_log
-from .names.known import Known, Settled, listed
-from .names.settle import BEYOND_SECONDS, naming_notes, settle
+from .names import BEYOND_SECONDS, Known, Settled, listed, naming_notes, settle
 from .recording import FloatArray
 from .units import KNOWN, Units
 

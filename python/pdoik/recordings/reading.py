@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .names.columns_key import ColumnsKey, columns_key
+from .names import ColumnsKey, columns_key
 from .units import Units, units_from
 
 

@@ -19,9 +19,7 @@ from .check_recording import to_recording
 from .columns import CONTACT, POSE, SUPPLY, VECTORS, Table, channel_of, joints_of
 from .duty import check_duty
 from .logs import MAX_ROWS, Part, entry_keys
-from .names.columns_key import ColumnsKey, columns_key
-from .names.known import Known, listed
-from .names.mujoco_order import mujoco_order
+from .names import ColumnsKey, Known, columns_key, listed, mujoco_order
 from .read import read_table
 from .recording import CHANNELS, FloatArray, Recording, Role
 from .suspect_units import check_units

@@ -8,4 +8,28 @@ them, and `plausible` looks at the whole.
 from pdoik.scenes.load import SceneFile, load_scene, read_scene_file
 from pdoik.scenes.save import save_scene
 
-__all__ = ["SceneFile", "load_scene", "read_scene_file", "save_scene"]
+from .contacts import as_optional, read_matrix
+from .moveit_yaml import read_attached, read_world
+from .pieces import Piece, Thing, mesh, shapes_of
+from .values import EntryError, numbers, read_pose, read_text, read_yaml, rotation
+
+__all__ = [
+    "EntryError",
+    "Piece",
+    "SceneFile",
+    "Thing",
+    "as_optional",
+    "load_scene",
+    "mesh",
+    "numbers",
+    "read_attached",
+    "read_matrix",
+    "read_pose",
+    "read_scene_file",
+    "read_text",
+    "read_world",
+    "read_yaml",
+    "rotation",
+    "save_scene",
+    "shapes_of",
+]

@@ -16,10 +16,10 @@ from pdoik._extras import asks_for
 with asks_for("sim2real"):
     from pdoik.recordings import Recording
 
-    from .diagnose import UnanswerableError, diagnose, examine
+    from .diagnose import UnanswerableError, diagnose, examine, made_ready
     from .effects import CATALOGUE, register
     from .evidence import evidence_of, model_of, servo_model, write
-    from .export.export import export_mjcf, export_urdf
+    from .export import export_mjcf, export_urdf
     from .findings import (
         ControllerEstimate,
         Diagnosis,
@@ -30,17 +30,15 @@ with asks_for("sim2real"):
         JointFit,
         OrdinaryPart,
         Residue,
+        Support,
     )
-    from .identify.identified import Identified
-    from .infer.conclude import Examination, conclude
-    from .model.model import Model, load_model, replay
-    from .model.predict import predict
-    from .motion.prepare import Prepared, prepare
+    from .identify import Identified
+    from .infer import Examination, conclude
+    from .model import Model, load_model, predict, replay
+    from .motion import Prepared, prepare
     from .propose import NothingToSettleError, Proposal, Wishes, propose
     from .simulation import SimulationError, Simulator, Stepper
-    from .study.payload import Payload
-    from .study.read_study import load_study
-    from .study.study import Controller, Setup, Study, Trust
+    from .study import Controller, Payload, Setup, Study, Trust, load_study
     from .study_check import StudyCheck, check_study
     from .study_draft import Draft, draft_study
     from .thresholds import Thresholds
@@ -74,6 +72,7 @@ __all__ = [
     "Stepper",
     "Study",
     "StudyCheck",
+    "Support",
     "Thresholds",
     "Trust",
     "UnanswerableError",
@@ -90,6 +89,7 @@ __all__ = [
     "export_urdf",
     "load_model",
     "load_study",
+    "made_ready",
     "model_of",
     "predict",
     "prepare",

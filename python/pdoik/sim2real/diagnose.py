@@ -8,19 +8,14 @@ from dataclasses import dataclass, replace
 
 from threadpoolctl import threadpool_limits
 
-from .channels.check_channels import ChannelCheck, check_channels
-from .confirm.confirm_by_simulation import confirmed_by_simulation
-from .confirm.rollouts import why_not
-from .controllers.check_controllers import ControllerCheck, check_controllers
+from .channels import ChannelCheck, check_channels
+from .confirm import confirmed_by_simulation, why_not
+from .controllers import ControllerCheck, check_controllers
 from .findings import Diagnosis
-from .identify.identify import identify
-from .infer.answerable import why_unanswerable
-from .infer.conclude import Examination, conclude
-from .infer.verdict import source_in_words
-from .motion.prepare import Prepared, prepare
-from .study.excerpts import excerpted
-from .study.read_study import load_study
-from .study.study import Study
+from .identify import identify
+from .infer import Examination, conclude, source_in_words, why_unanswerable
+from .motion import Prepared, prepare
+from .study import Study, excerpted, load_study
 from .thresholds import Thresholds
 
 Tell = Callable[[str, str, float], None]

@@ -7,7 +7,7 @@ import math
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
-from .motion.place import Gate
+from .motion import Gate
 
 Verdict = Literal[
     "no_mismatch",

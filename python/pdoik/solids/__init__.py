@@ -17,6 +17,8 @@ from pdoik.solids.nearest import (
 )
 from pdoik.solids.surfaces import Surface, part_surface, shape_surface
 
+from .pieces import link_pieces
+
 __all__ = [
     "Binding",
     "NearestObstacle",
@@ -24,6 +26,7 @@ __all__ = [
     "Surface",
     "binding",
     "clearances_of",
+    "link_pieces",
     "named_part",
     "nearest_obstacle",
     "nearest_points",

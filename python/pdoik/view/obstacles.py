@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import pdoik
-from pdoik.scenes.contacts import as_optional
+from pdoik.scenes import as_optional
 
 FloatArray = npt.NDArray[np.float64]
 

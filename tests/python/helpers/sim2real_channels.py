@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pdoik.sim2real import Study
-from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.motion import RigidBody
 from sim2real_motions import PERIOD, recording, wave, write_arm
 
 SECONDS = 20.0

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from pdoik.sim2real import Diagnosis, Study
-from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.motion import RigidBody
 from sim2real_motions import write_arm
 from sim2real_recordings import even_recording
 

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from pdoik.sim2real.identify.hypothesis import Hypothesis
-from pdoik.sim2real.identify.linearisation import Linearisation, Series
-from pdoik.sim2real.identify.model import Model
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.fit import Term
+from pdoik.sim2real.identify import Hypothesis, Linearisation, Model, Series
+from pdoik.sim2real.motion import Place
+from pdoik.sim2real.regression import Term
 
 TORQUES = (("torque", 0), ("torque", 1), ("velocity", 0))
 STUDY = 160  # rows of the study, of which some count

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pdoik.recordings import Recording
-from pdoik.sim2real.study.floating_base import FloatingBase, Foot, Ground
-from pdoik.sim2real.study.study import Setup, Study
+from pdoik.sim2real.study import FloatingBase, Foot, Ground, Setup, Study
 
 Array = NDArray[np.float64]
 

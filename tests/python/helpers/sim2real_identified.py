@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pdoik.sim2real.findings import Estimate
-from pdoik.sim2real.identify.figures import estimates
-from pdoik.sim2real.identify.identified import Identified
-from pdoik.sim2real.identify.identify import identify
-from pdoik.sim2real.identify.posterior import Posterior
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.prepare import Prepared
-from pdoik.sim2real.regression.fit import Fit
-from pdoik.sim2real.study.study import Study
+from pdoik.sim2real import Estimate
+from pdoik.sim2real.identify import Identified, Posterior, estimates, identify
+from pdoik.sim2real.motion import Balances, Prepared
+from pdoik.sim2real.regression import Fit
+from pdoik.sim2real.study import Study
 
 BODIES = 0.01  # share within which the tests' models are right
 

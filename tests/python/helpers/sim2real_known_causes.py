@@ -11,9 +11,9 @@ import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
 from pdoik.sim2real import Diagnosis, Finding, Study, diagnose
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.fit import TermKey
-from pdoik.sim2real.study.study import Setup
+from pdoik.sim2real.motion import Place
+from pdoik.sim2real.regression import TermKey
+from pdoik.sim2real.study import Setup
 from sim2real_motions import wave, write_arm
 from sim2real_recordings import even_recording
 

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from pdoik.recordings import Recording
-from pdoik.sim2real.motion.motion import Motion, motion_of
-from pdoik.sim2real.motion.rigid_body import RigidBody
-from pdoik.sim2real.study.study import Controller
+from pdoik.sim2real.motion import Motion, RigidBody, motion_of
+from pdoik.sim2real.study import Controller
 from sim2real_recordings import even_recording
 
 PERIOD = 0.004

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from pdoik.recordings import Recording
-from pdoik.sim2real.effects.simulated import parts_of
-from pdoik.sim2real.simulation.parts import Part
-from pdoik.sim2real.study.study import Controller
+from pdoik.sim2real.effects import parts_of
+from pdoik.sim2real.simulation import Part
+from pdoik.sim2real.study import Controller
 from sim2real_recordings import even_recording
 
 G = 9.81  # [m/s^2]

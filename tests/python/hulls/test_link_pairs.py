@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import pdoik
 from command_line import misuse, run
-from pdoik.link_pairs import sample_pairs
-from pdoik.link_pairs.meshes import Mesh, meet
+from pdoik.link_pairs import Mesh, meet, sample_pairs
 
 
 def link(name: str, *boxes: tuple[str, str]) -> str:
@@ -160,7 +159,7 @@ def test_the_figures_are_those_of_the_solver_and_of_coal() -> None:
     report = sample_pairs(robot, URDF, samples=1500)
     robot.ignored_pairs = report.ignored
     solver = pdoik.Solver(robot, pdoik.Options(self_collision=True))
-    from pdoik.occupancy_fit.geometry import load_geometry
+    from pdoik.occupancy_fit import load_geometry
 
     meshes = {part.name: part.triangles for part in load_geometry(URDF)}
     pairs = [pair for pair in combinations(sorted(meshes), 2) if pair not in report.ignored]

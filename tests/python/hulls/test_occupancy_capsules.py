@@ -13,8 +13,14 @@ import yaml
 from numpy.typing import NDArray
 
 from pdoik import Occupancy, OverhangWarning
-from pdoik.occupancy_fit import Capsule, OccupancyFit, fit_capsules, fit_link, fit_occupancy
-from pdoik.occupancy_fit.geometry import load_geometry
+from pdoik.occupancy_fit import (
+    Capsule,
+    OccupancyFit,
+    fit_capsules,
+    fit_link,
+    fit_occupancy,
+    load_geometry,
+)
 
 SEED = 20250611
 Array = NDArray[np.float64]

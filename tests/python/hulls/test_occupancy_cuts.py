@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from pdoik.occupancy_fit.hulls import half_sum, principal_axes, smallest_shape
-from pdoik.occupancy_fit.rough import Halves, rough_shapes
-from pdoik.occupancy_fit.split import clip
+from pdoik.occupancy_fit import Halves, clip, half_sum, principal_axes, rough_shapes, smallest_shape
 
 SEED = 20261130
 

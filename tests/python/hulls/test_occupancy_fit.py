@@ -14,9 +14,14 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pdoik import LoadError, Occupancy, occupancy_fit
-from pdoik.occupancy_fit import OccupancyFit, split
-from pdoik.occupancy_fit.hulls import half_sum, smallest_shape
-from pdoik.occupancy_fit.split import clip, union_volume
+from pdoik.occupancy_fit import (  # inside: its parts are tested one by one
+    OccupancyFit,
+    clip,
+    half_sum,
+    smallest_shape,
+    split,
+    union_volume,
+)
 
 SEED = 20240917
 fit_occupancy = partial(occupancy_fit.fit_occupancy, capsules=False)

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 import pdoik
-from pdoik.occupancy_fit import fit_occupancy, fit_pieces
-from pdoik.occupancy_fit.beyond import Beyond
-from pdoik.occupancy_fit.pieces import TOLERANCE
+from pdoik.occupancy_fit import TOLERANCE, Beyond, fit_occupancy, fit_pieces
 
 FloatArray = NDArray[np.float64]
 

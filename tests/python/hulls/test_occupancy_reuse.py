@@ -14,11 +14,15 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from pdoik import LoadError
-from pdoik.occupancy_fit import LinkNews, OccupancyFit, fit_occupancy
-from pdoik.occupancy_fit.geometry import load_geometry
-from pdoik.occupancy_fit.hulls import half_sum
-from pdoik.occupancy_fit.kept import read_fit
-from pdoik.occupancy_fit.twins import motion_between
+from pdoik.occupancy_fit import (
+    LinkNews,
+    OccupancyFit,
+    fit_occupancy,
+    half_sum,
+    load_geometry,
+    motion_between,
+    read_fit,
+)
 from test_occupancy_capsules import gap, on_surface
 
 SEED = 20261129

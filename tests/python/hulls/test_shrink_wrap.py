@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from pdoik._core import ShrinkWrap
-from pdoik.occupancy_fit.solid import Solid
+from pdoik.occupancy_fit import Solid
 
 SEED = 20250611
 WORST = 0.015

@@ -17,10 +17,8 @@ import yaml
 import pdoik
 from bench.ik.goals.peers.body import by_capsules
 from command_line import run
-from pdoik.reports.contacts import Wanted
-from pdoik.scenes import read_scene_file
-from pdoik.scenes.contacts import read_matrix
-from pdoik.scenes.values import EntryError
+from pdoik.reports import Wanted
+from pdoik.scenes import EntryError, read_matrix, read_scene_file
 from test_shapes import FloatArray, capsule_between, coal_distance, coal_geometry
 
 ANY = -math.inf

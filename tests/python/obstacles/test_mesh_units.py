@@ -8,7 +8,7 @@ import trimesh
 
 import pdoik
 from pdoik._meshes import read_triangles
-from pdoik.occupancy_fit.geometry import load_geometry
+from pdoik.occupancy_fit import load_geometry
 
 
 @pytest.mark.parametrize(("unit", "scale"), [("0.0254", 0.0254), ("0.001", 0.001), ("1", 1.0)])

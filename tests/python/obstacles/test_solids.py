@@ -10,13 +10,13 @@ import pdoik
 from pdoik._hulls import gaps, placed_hulls
 from pdoik.solids import (
     binding,
+    link_pieces,
     named_part,
     nearest_obstacle,
     nearest_points,
     shape_surface,
     without_numbers,
 )
-from pdoik.solids.pieces import link_pieces
 from pdoik.view import Session
 from pdoik.view.status import Meter, status_html
 from solid_kinds import KINDS, shape

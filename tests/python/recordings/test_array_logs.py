@@ -12,7 +12,7 @@ import pytest
 
 from pdoik.errors import LoadError
 from pdoik.recordings import Recording
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, columns, log, motion, write_study
 
 h5py = pytest.importorskip("h5py")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, log, motion, speed, write_study
 
 pytest.importorskip("rosbags")

@@ -12,7 +12,7 @@ import pytest
 from pdoik.errors import LoadError
 from pdoik.recordings import Column
 from pdoik.recordings.names import Known, columns_key, naming_notes, settle
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, log, motion, speed, write_study
 
 ARM = ("joint1", "joint2", "joint3")

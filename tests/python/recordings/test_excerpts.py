@@ -12,8 +12,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.recordings import Recording
 from pdoik.sim2real import Thresholds
-from pdoik.sim2real.study.excerpts import excerpted
-from pdoik.sim2real.study.study import Study
+from pdoik.sim2real.study import Study, excerpted
 from sim2real_channels import study as small_arm
 
 

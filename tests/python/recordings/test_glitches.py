@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pdoik.recordings import glitches
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import log, motion, write_study
 
 RNG = np.random.default_rng(4)

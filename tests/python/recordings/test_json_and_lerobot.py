@@ -14,7 +14,7 @@ import pytest
 
 from pdoik.errors import LoadError
 from pdoik.recordings import Recording
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, columns, motion, speed, write_study
 
 TIME = np.arange(800) / 100

@@ -13,7 +13,7 @@ import pytest
 
 from pdoik.errors import LoadError
 from pdoik.recordings import KINDS, Column, Key, Keys, Log, read_log, register
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, log, motion, write_study
 
 ROW = struct.Struct("<3d")

@@ -17,8 +17,8 @@ pytest.importorskip("h5py", reason="pip install 'pdoik[sim2real]'")
 import h5py
 
 from pdoik.sim2real import examine
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.motion import prepare
+from pdoik.sim2real.study import load_study
 
 JOINTS = ("base", "shoulder", "elbow")
 WORDS = {"q": "joint_pos", "q_des": "joint_pos_target", "dq_des": "joint_vel_target", "tau": "tau"}

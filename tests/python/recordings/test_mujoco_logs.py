@@ -11,8 +11,7 @@ import pytest
 
 from pdoik.errors import LoadError
 from pdoik.recordings import Recording
-from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.study import Study
+from pdoik.sim2real.study import Study, load_study
 from studies import write_study
 
 mujoco = pytest.importorskip("mujoco")

@@ -16,8 +16,8 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from command_line import misuse, run
 from pdoik.recordings import Reading
 from pdoik.sim2real import Controller, Model, load_study
-from pdoik.sim2real.infer.verdict import simulator_notes
-from pdoik.sim2real.watch.csv_stream import CsvStream
+from pdoik.sim2real.infer import simulator_notes
+from pdoik.sim2real.watch import CsvStream
 from sim2real_robots import arm_urdf
 
 JOINTS = ("joint1", "joint2")

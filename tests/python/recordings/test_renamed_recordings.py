@@ -11,8 +11,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.study import Study
+from pdoik.sim2real.study import Study, load_study
 
 BESIDE = Path(__file__).resolve().parents[4] / "shared"
 RECORDINGS = Path(os.environ.get("PDOIK_SHARED", BESIDE)) / "recordings"

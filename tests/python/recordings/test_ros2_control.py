@@ -11,7 +11,7 @@ import pytest
 
 from pdoik.errors import LoadError
 from pdoik.recordings import Recording
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, motion, speed, write_study
 
 pytest.importorskip("rosbags")

@@ -19,7 +19,7 @@ from pdoik.recordings import (
     units_from,
     with_jumps_mended,
 )
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import log, write_study
 
 BESIDE = Path(__file__).resolve().parents[4] / "shared"

@@ -8,9 +8,7 @@ from matplotlib.image import imread
 
 import pdoik
 from pdoik._hulls import PlacedCapsule, gaps, placed_hulls, skeleton, wide_hulls
-from pdoik.picture import draw_solution
-from pdoik.picture.facets import FacetSoup, spheroid_axes
-from pdoik.picture.view import best_azimuth
+from pdoik.picture import FacetSoup, best_azimuth, draw_solution, spheroid_axes
 from samples import with_capsules, with_hulls
 
 NAMES = ("panda", "ur10", "iiwa14")

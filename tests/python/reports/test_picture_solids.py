@@ -14,12 +14,17 @@ from mpl_toolkits.mplot3d import proj3d
 from PIL import Image, ImageDraw
 
 import pdoik
+from pdoik.picture import (
+    Cube,
+    DepthBuffer,
+    Stage,
+    blended,
+    contents_of,
+    in_pieces,
+    mark_of,
+    shape_triangles,
+)
 from pdoik.picture import draw_solution as draw_large
-from pdoik.picture.contents import contents_of
-from pdoik.picture.cube import Cube, in_pieces, shape_triangles
-from pdoik.picture.marks import mark_of
-from pdoik.picture.raster import DepthBuffer, blended
-from pdoik.picture.stage import Stage
 
 TAN, VIOLET, RED = 38, 266, 358  # hues [deg]
 SIZE = 585  # of a picture [px]

@@ -18,8 +18,7 @@ from scipy.spatial.transform import Rotation
 import pdoik
 from command_line import misuse, run, solve
 from pdoik.errors import LoadError
-from pdoik.reports.distances import segment_to_shape, to_spheroid
-from pdoik.reports.kinematics import Kinematics
+from pdoik.reports import Kinematics, segment_to_shape, to_spheroid
 from random_urdf import random_urdf
 
 PATIENT = {"max_time": 60.0, "max_restarts": 60}  # so that no clock ends a solve

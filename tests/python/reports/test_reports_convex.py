@@ -9,7 +9,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 import pdoik
-from pdoik.reports.convex import Body, apart, piece, to_shape
+from pdoik.reports import Body, apart, piece, to_shape
 
 CUBE = trimesh.creation.box((0.06, 0.06, 0.06))
 

@@ -12,11 +12,15 @@ import numpy as np
 import pytest
 
 import pdoik
-from pdoik.reports.goals import goals_entry, read_goals
-from pdoik.reports.kinematics import Kinematics
-from pdoik.reports.mass import MassBox
-from pdoik.reports.requirements import requirements
-from pdoik.reports.values import Entry, json_lines
+from pdoik.reports import (
+    Entry,
+    Kinematics,
+    MassBox,
+    goals_entry,
+    json_lines,
+    read_goals,
+    requirements,
+)
 from references import PinocchioRobot
 from trees import H1_XML, TIPS, by_name, crouch
 

@@ -9,7 +9,7 @@ import pytest
 
 from pdoik._addresses import Places, with_paths
 from pdoik.errors import LoadError
-from pdoik.occupancy_fit.geometry import load_geometry
+from pdoik.occupancy_fit import load_geometry
 from pdoik.scenes import load_scene
 from pdoik.view.visuals import load_visuals
 

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 
 import pdoik
-from pdoik.descriptions import RobotDescription, installed, tree_of, urdf_joints
+from pdoik.descriptions import (  # inside: what is installed is replaced
+    RobotDescription,
+    installed,
+    tree_of,
+    urdf_joints,
+)
 from pdoik.errors import LoadError
 from studies import JOINTS
 from studies import MJCF as ARM_MJCF
@@ -124,7 +129,7 @@ def test_a_urdf_that_mujoco_wrote_as_mjcf_is_the_same_robot(tmp_path: Path) -> N
 
 def test_geometry_is_where_mujoco_has_it(strange: Path, tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
-    from pdoik.occupancy_fit.geometry import load_geometry
+    from pdoik.occupancy_fit import load_geometry
 
     text = pdoik.urdf_text(strange, meshes=tmp_path)
     links = {link.name: link.triangles for link in load_geometry(text)}

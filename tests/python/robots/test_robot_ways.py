@@ -11,7 +11,7 @@ import trimesh
 
 import pdoik
 from command_line import misuse, run
-from pdoik.descriptions import installed
+from pdoik.descriptions import installed  # inside: what is installed is replaced
 from pdoik.errors import LoadError, RobotWarning
 
 MACROS = """<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">

@@ -18,9 +18,7 @@ import yaml
 from numpy.typing import NDArray
 
 from bench.ik.judges import arm_meshes
-from pdoik.occupancy_fit.geometry import load_geometry
-from pdoik.occupancy_fit.hulls import Shape, convex_volume, half_sum
-from pdoik.occupancy_fit.split import union_volume
+from pdoik.occupancy_fit import Shape, convex_volume, half_sum, load_geometry, union_volume
 
 SEED = 20240917
 ROBOTS = Path(str(files("pdoik"))) / "robots"

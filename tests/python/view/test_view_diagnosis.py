@@ -20,7 +20,7 @@ from bench.sim2real import example
 from pdoik.cli.report_folders import report_folder
 from pdoik.errors import LoadError
 from pdoik.sim2real import examine, write
-from pdoik.sim2real.evidence.motions import Motion, Motions
+from pdoik.sim2real.evidence import Motion, Motions
 from pdoik.sim2real.report import Replay
 from pdoik.view.diagnosis.report import Report, load_report
 from pdoik.view.diagnosis.timeline import Timeline

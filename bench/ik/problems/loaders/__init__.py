@@ -15,7 +15,7 @@ from bench.ik.problems.loaders.moveit import read_moveit
 from bench.ik.problems.loaders.vamp import read_vamp
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
-from pdoik.scenes.values import EntryError as LoaderError
+from pdoik.scenes import EntryError as LoaderError
 
 ARCHIVES = (".tar", ".gz", ".bz2", ".xz", ".tgz")
 

@@ -13,7 +13,7 @@ from bench.ik.problems.robots import RobotFiles
 from bench.ik.problems.solids import Solid, mesh
 from pdoik._ply import PlyError, read_ply
 from pdoik._polygons import triangulated
-from pdoik.scenes.values import EntryError as LoaderError
+from pdoik.scenes import EntryError as LoaderError
 
 FIELDS = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
 

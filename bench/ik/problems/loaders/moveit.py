@@ -12,11 +12,17 @@ from bench.ik.problems.judge import Judge
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
 from bench.ik.problems.solids import Solid, SolidError, box, pose
-from pdoik.scenes.contacts import read_matrix
-from pdoik.scenes.moveit_yaml import read_attached, read_world
-from pdoik.scenes.pieces import Piece
-from pdoik.scenes.values import EntryError as LoaderError
-from pdoik.scenes.values import numbers, read_pose, read_yaml, rotation
+from pdoik.scenes import EntryError as LoaderError
+from pdoik.scenes import (
+    Piece,
+    numbers,
+    read_attached,
+    read_matrix,
+    read_pose,
+    read_world,
+    read_yaml,
+    rotation,
+)
 
 
 def read_moveit(

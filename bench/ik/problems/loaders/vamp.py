@@ -14,8 +14,8 @@ from bench.ik.problems.judge import Judge
 from bench.ik.problems.problem import Problem
 from bench.ik.problems.robots import RobotFiles
 from bench.ik.problems.solids import Kind, Solid, SolidError, pose
-from pdoik.scenes.values import EntryError as LoaderError
-from pdoik.scenes.values import numbers, rotation
+from pdoik.scenes import EntryError as LoaderError
+from pdoik.scenes import numbers, rotation
 
 KINDS: tuple[Kind, ...] = ("sphere", "cylinder", "box", "capsule")
 _HARMLESS = {

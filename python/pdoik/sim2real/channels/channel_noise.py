@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..motion.motion import thinned
-from ..motion.signals import derivative, zero_phase
-from ..study.study import Controller
-from ..thresholds.channels import ChannelThresholds
+from ..motion import derivative, thinned, zero_phase
+from ..study import Controller
+from ..thresholds import ChannelThresholds
 
 ComplexArray = NDArray[np.complex128]
 

@@ -8,16 +8,11 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..effects.drives.torque_saturation import kinds, top_of
-from ..effects.drives.torque_speed_limit import falling_top_of
-from ..effects.sensors.sensor_gain import SensorGain
+from ..effects.drives import falling_top_of, kinds, top_of
+from ..effects.sensors import SensorGain
 from ..findings import Estimate, Evidence, Finding
-from ..motion.balances import Balances
-from ..motion.motion import Motion
-from ..motion.prepare import Prepared
-from ..motion.rigid_body import RigidBody
-from ..motion.signals import derivative, zero_phase
-from ..study.study import Study
+from ..motion import Balances, Motion, Prepared, RigidBody, derivative, zero_phase
+from ..study import Study
 from .factors_by_model import factors_by_model
 from .noisy_channels import noisy_channels
 

@@ -16,13 +16,19 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.bodies.gravity_direction import GravityDirection
-from ..motion.balances import Balances
-from ..motion.place import Key
-from ..regression.background import BACKGROUND, background, friction_at, is_scale
-from ..regression.fit import Fit, Term, term_of
-from ..regression.trusted_bodies import TRUST
-from ..regression.wald import robust
+from ..effects.bodies import GravityDirection
+from ..motion import Balances, Key
+from ..regression import (
+    BACKGROUND,
+    TRUST,
+    Fit,
+    Term,
+    background,
+    friction_at,
+    is_scale,
+    robust,
+    term_of,
+)
 
 _ANY = 1e4  # times the usual error: a scale may have any value
 _LOADED = 30.0  # times the usual error: a load may be some times the last link

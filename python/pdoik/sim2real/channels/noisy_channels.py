@@ -11,13 +11,11 @@ from scipy import stats
 from pdoik.descriptions import robot_facts
 from pdoik.recordings import FloatArray
 
-from ..effects.sensors.sensor_noise import SensorNoise
+from ..effects.sensors import SensorNoise
 from ..findings import Estimate, Evidence, Finding
-from ..motion.balances import Balances
-from ..motion.prepare import Prepared
-from ..motion.signals import shifted
-from ..study.study import Study
-from ..thresholds.channels import ChannelThresholds
+from ..motion import Balances, Prepared, shifted
+from ..study import Study
+from ..thresholds import ChannelThresholds
 from .channel_noise import ChannelNoise
 
 _CHANNELS = ("q", "dq", "tau")

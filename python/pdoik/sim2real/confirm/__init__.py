@@ -3,3 +3,18 @@
 Comes in: `Identified`. Goes out: another, in which names that a regression confuses are told apart
 by rollouts, and figures are moved to where rollouts leave least. Next: infer.
 """
+
+from .confirm_by_simulation import confirmed_by_simulation, run_without
+from .refine_by_rollouts import refine_by_rollouts
+from .rollouts import Arm, Rollout, why_not
+from .simulated_estimates import simulated_estimates
+
+__all__ = [
+    "Arm",
+    "Rollout",
+    "confirmed_by_simulation",
+    "refine_by_rollouts",
+    "run_without",
+    "simulated_estimates",
+    "why_not",
+]

@@ -10,15 +10,9 @@ import numpy as np
 from pdoik.errors import PdoikError
 
 from ..effects import CATALOGUE
-from ..identify.candidates import candidates
-from ..identify.figures import estimates, values_and_errors
-from ..identify.identified import Identified, Weighed
-from ..motion.place import Key
-from ..motion.prepare import Prepared
-from ..regression.fit import Term, TermKey
-from ..regression.naming import described
-from ..regression.one_more import OneMore
-from ..regression.refine import refined
+from ..identify import Identified, Weighed, candidates, estimates, values_and_errors
+from ..motion import Key, Prepared
+from ..regression import OneMore, Term, TermKey, described, refined
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, huber, why_not
 

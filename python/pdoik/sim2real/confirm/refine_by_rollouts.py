@@ -15,8 +15,8 @@ from pdoik.errors import PdoikError
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.place import Key
-from ..regression.fit import Term
+from ..motion import Key
+from ..regression import Term
 from .rollouts import FAR, Arm, Rollout, Values
 
 _ROUNDS = 4

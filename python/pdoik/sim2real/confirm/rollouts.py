@@ -16,22 +16,13 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..effects import CATALOGUE
-from ..effects.simulated import not_simulated
+from ..effects import CATALOGUE, not_simulated
 from ..findings import Estimate, Evidence
-from ..model.model import Model
-from ..model.of_recording import simulator_in
-from ..motion.balances import Balances
-from ..motion.cutoff import noise_of
-from ..motion.motion import thinned
-from ..motion.place import Key
-from ..motion.prepare import Prepared, motions_of
-from ..regression.fit import Fit, Term
-from ..regression.improved_model import improved_model
-from ..regression.naming import finding_of
+from ..model import Model, simulator_in
+from ..motion import Balances, Key, Prepared, motions_of, noise_of, thinned
+from ..regression import Fit, Term, finding_of, improved_model
 from ..simulation import SimulationError
-from ..study.split import part
-from ..study.study import Study
+from ..study import Study, part
 
 STEPS = 60_000  # of the simulation, of all recordings together
 _STEP = 1e-3  # [s]

@@ -8,10 +8,9 @@ from pdoik.errors import PdoikError
 
 from ..effects import CATALOGUE, Effect
 from ..findings import Estimate
-from ..identify.figures import values_and_errors
-from ..identify.identified import Identified
-from ..motion.prepare import Prepared
-from ..regression.fit import Fit, Term
+from ..identify import Identified, values_and_errors
+from ..motion import Prepared
+from ..regression import Fit, Term
 from .refine_by_rollouts import refine_by_rollouts
 from .rollouts import Arm, Rollout, Values, why_not
 

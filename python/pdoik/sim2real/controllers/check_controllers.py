@@ -10,10 +10,8 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..findings import ControllerEstimate, Finding
-from ..motion.motion import thinned
-from ..motion.prepare import Prepared, prepare
-from ..study.controller import Controller, ToldController, VoltageDrive
-from ..study.study import Study
+from ..motion import Prepared, prepare, thinned
+from ..study import Controller, Study, ToldController, VoltageDrive
 from .drive_findings import Drives, drive_findings
 from .estimate import JointLaw, joint_law
 from .feeds import Feeds

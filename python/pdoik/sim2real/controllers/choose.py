@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..thresholds.controllers import ControllerThresholds
+from ..thresholds import ControllerThresholds
 from .law import Fitted, Form, columns, tuned
 from .rows import Piece
 

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.drives.torque_saturation import TorqueSaturation
-from ..effects.drives.torque_speed_limit import TorqueSpeedLimit
+from ..effects.drives import TorqueSaturation, TorqueSpeedLimit
 from ..findings import Support
-from ..thresholds.controllers import ControllerThresholds
+from ..thresholds import ControllerThresholds
 from .linear_law import Gained, Strip, explicit, followed_by_others, gained
 from .linear_model import LinearModel, Parameter, parts_of
 

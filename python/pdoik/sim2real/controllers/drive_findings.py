@@ -11,14 +11,19 @@ from pdoik.descriptions import robot_facts
 from pdoik.recordings import Recording
 
 from ..effects import CATALOGUE
-from ..effects.drives.actuator_lag import ActuatorLag
-from ..effects.drives.command_delay import OF_POSITION, OF_TORQUE, CommandDelay
-from ..effects.drives.torque_saturation import OF_LAW, TorqueSaturation, kinds
-from ..effects.drives.torque_speed_limit import TorqueSpeedLimit
+from ..effects.drives import (
+    OF_LAW,
+    OF_POSITION,
+    OF_TORQUE,
+    ActuatorLag,
+    CommandDelay,
+    TorqueSaturation,
+    TorqueSpeedLimit,
+    kinds,
+)
 from ..findings import Equivalent, Estimate, Evidence, Finding, Support
-from ..motion.ceiling import Ceiling, ceiling_of, pile_at
-from ..motion.prepare import Prepared
-from ..regression.naming import where_in_words
+from ..motion import Ceiling, Prepared, ceiling_of, pile_at
+from ..regression import where_in_words
 from . import cut_off, lateness
 from .cut_off import CutOff
 from .feeds import Feeds

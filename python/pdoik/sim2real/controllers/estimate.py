@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pdoik.recordings import Recording
 
 from ..findings import ControllerEstimate, Estimate
-from ..thresholds.controllers import ControllerThresholds
+from ..thresholds import ControllerThresholds
 from .choose import Chosen, chosen, let_go, predicted
 from .feeds import Feeds
 from .law import Fitted

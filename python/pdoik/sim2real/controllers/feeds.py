@@ -8,8 +8,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..motion.rigid_body import RigidBody
-from ..motion.signals import derivative, zero_phase
+from ..motion import RigidBody, derivative, zero_phase
 
 _SMOOTH = 10.0  # of a command's rates, and of errors' [Hz]
 _RATE = 50.0  # at which the model is worked out; between, straight lines [Hz]

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..findings import ControllerEstimate
-from ..study.study import Controller, Study
-from ..thresholds.controllers import ControllerThresholds
+from ..study import Controller, Study
+from ..thresholds import ControllerThresholds
 from .estimate import JointLaw
 
 SEEN_ITSELF = ("tau_cmd", "duty")

@@ -14,10 +14,9 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.drives.actuator_lag import ActuatorLag
-from ..effects.drives.command_delay import CommandDelay
+from ..effects.drives import ActuatorLag, CommandDelay
 from ..findings import Support
-from ..thresholds.controllers import ControllerThresholds
+from ..thresholds import ControllerThresholds
 from .linear_law import Gained, Strip, followed_by_others, gained, law_of
 from .linear_model import LinearModel
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..motion.signals import lagged, shifted
-from ..thresholds.controllers import ControllerThresholds
+from ..motion import lagged, shifted
+from ..thresholds import ControllerThresholds
 from .linear_model import LinearModel, Parameter, parts_of
 from .rows import Piece
 

@@ -19,9 +19,9 @@ from scipy import linalg
 from pdoik.recordings import FloatArray
 
 from ..findings import Evidence, Support
-from ..motion.signals import dilated, lagged, shifted, zero_phase
-from ..regression.prediction import share_by_blocks
-from ..thresholds.controllers import ControllerThresholds
+from ..motion import dilated, lagged, shifted, zero_phase
+from ..regression import share_by_blocks
+from ..thresholds import ControllerThresholds
 from .linear_model import LinearModel, Parameter, parts_of
 from .rows import Piece
 

@@ -13,11 +13,9 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..identify.hypothesis import Hypothesis
-from ..identify.linearisation import Linearisation, Series
-from ..identify.model import Model
-from ..motion.place import Key, Place
-from ..regression.fit import Term
+from ..identify import Hypothesis, Linearisation, Model, Series
+from ..motion import Key, Place
+from ..regression import Term
 
 _KEY: Key = ("law", 0)
 _LARGE = 10.0  # standard deviation of a coefficient's part, in root mean squares of the target

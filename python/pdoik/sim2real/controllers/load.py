@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..findings import Estimate
-from ..motion.rigid_body import STANDARD_GRAVITY, RigidBody
+from ..motion import STANDARD_GRAVITY, RigidBody
 from .voltage import Figure, Motor
 
 _GRID = 24  # positions at which the load's moment is looked for

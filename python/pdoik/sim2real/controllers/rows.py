@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..motion.signals import derivative, shifted
-from ..thresholds.controllers import ControllerThresholds
+from ..motion import derivative, shifted
+from ..thresholds import ControllerThresholds
 from .feeds import Feeds
 
 EFFORTS = {"tau_cmd": "N m", "duty": "1", "tau": "N m", "current": "A"}

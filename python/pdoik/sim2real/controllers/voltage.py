@@ -24,11 +24,9 @@ from scipy import optimize
 from pdoik.recordings import FloatArray, Recording
 
 from ..findings import Estimate
-from ..motion.balances import Balances
-from ..motion.motion import Motion
-from ..motion.signals import derivative, zero_phase
-from ..study.controller import ToldController
-from ..thresholds.controllers import ControllerThresholds
+from ..motion import Balances, Motion, derivative, zero_phase
+from ..study import ToldController
+from ..thresholds import ControllerThresholds
 from .linear_model import LinearModel, Parameter, parts_of
 
 _SUPPLY = 1.0  # a supply's slower changes are its own, quicker ones are the bridge's switching [Hz]

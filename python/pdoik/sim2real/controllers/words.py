@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..findings import ControllerEstimate, Estimate
-from ..study.study import Study
+from ..study import Study
 
 _WORTH = 0.8  # share that is worth saying
 _NAMES = {

@@ -5,8 +5,14 @@ that was measured and its limit. The arm that it is tried on is made here and si
 diagnosis.
 """
 
+from .arm import Arm
 from .check import check_effect
 from .load import load_effects
 from .outcome import Outcome
 
-__all__ = ["Outcome", "check_effect", "load_effects"]
+__all__ = [
+    "Arm",
+    "Outcome",
+    "check_effect",
+    "load_effects",
+]

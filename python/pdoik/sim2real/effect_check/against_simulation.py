@@ -9,8 +9,7 @@ import numpy as np
 from pdoik.errors import PdoikError
 from pdoik.recordings import FloatArray
 
-from ..motion.balances import Balances
-from ..motion.place import Key
+from ..motion import Balances, Key
 from .outcome import Outcome, at_most, not_applicable
 from .trial import Trial
 

@@ -10,7 +10,7 @@ from pdoik.errors import PdoikError
 from pdoik.recordings import FloatArray
 
 from ..effects import Effect
-from ..motion.place import Shape
+from ..motion import Shape
 from .outcome import Outcome, at_most, none_of, not_applicable
 from .trial import Trial
 

@@ -11,13 +11,10 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording, Role
 
-from ..model.of_recording import held_part
-from ..motion.balances import Balances
-from ..motion.prepare import prepare
-from ..simulation import Simulator
-from ..simulation.parts import Part
-from ..study.payload import Payload
-from ..study.study import Controller, Setup, Study
+from ..model import held_part
+from ..motion import Balances, prepare
+from ..simulation import Part, Simulator
+from ..study import Controller, Payload, Setup, Study
 
 JOINTS = ("j1", "j2", "j3")
 TIP = "tool"

@@ -6,9 +6,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..motion.balances import Balances
-from ..motion.place import Place, Shape
-from ..simulation.parts import JointTorque, StatefulLaw
+from ..motion import Balances, Place, Shape
+from ..simulation import JointTorque, StatefulLaw
 from .outcome import Outcome, at_most, not_applicable
 from .trial import Trial
 

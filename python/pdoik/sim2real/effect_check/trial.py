@@ -7,13 +7,10 @@ from functools import cached_property
 
 from pdoik.recordings import Recording
 
-from ..effects import Effect, Example, parts_of_finding
-from ..effects.catalogue import known
+from ..effects import Effect, Example, known, parts_of_finding
 from ..findings import Estimate, Finding
-from ..motion.balances import Balances
-from ..motion.motion import Motion
-from ..motion.place import Place, Shape
-from ..simulation.parts import Part
+from ..motion import Balances, Motion, Place, Shape
+from ..simulation import Part
 from .arm import JOINTS, RECORDING, Arm
 
 _JOINT = 1  # gravity loads it, and it moves others

@@ -4,39 +4,37 @@ from __future__ import annotations
 
 import importlib.metadata
 
-from .bodies.gravity_direction import GravityDirection
-from .bodies.inertial import LinkInertials, Payload
-from .bodies.kinematic_error import KinematicError
-from .bodies.payload_error import PayloadError
-from .contacts.external_contact import ExternalContact
-from .contacts.ground import FootFriction, FootSoftness, GroundHeight, GroundSlope
-from .drives.actuator_lag import ActuatorLag
-from .drives.command_delay import CommandDelay
-from .drives.torque_gain import TorqueGain
-from .drives.torque_offset import TorqueOffset
-from .drives.torque_saturation import TorqueSaturation
-from .drives.torque_speed_limit import TorqueSpeedLimit
+from .bodies import GravityDirection, KinematicError, LinkInertials, Payload, PayloadError
+from .contacts import ExternalContact, FootFriction, FootSoftness, GroundHeight, GroundSlope
+from .drives import (
+    ActuatorLag,
+    CommandDelay,
+    TorqueGain,
+    TorqueOffset,
+    TorqueSaturation,
+    TorqueSpeedLimit,
+)
 from .effect import Effect
-from .friction.asymmetric_friction import AsymmetricFriction
-from .friction.coulomb_friction import CoulombFriction
-from .friction.friction_drift import FrictionDrift
-from .friction.load_dependent_friction import LoadDependentFriction
-from .friction.presliding_hysteresis import PreslidingHysteresis
-from .friction.stribeck_friction import StribeckFriction
-from .friction.viscous_friction import ViscousFriction
-from .sensors.imu import ImuOffset, ImuTilt
-from .sensors.joint_offset import JointOffset
-from .sensors.sensor_gain import SensorGain
-from .sensors.sensor_noise import SensorNoise
-from .sensors.timestamp_skew import TimestampSkew
-from .transmission.backlash import Backlash
-from .transmission.gear_efficiency import GearEfficiency
-from .transmission.joint_coupling import JointCoupling
-from .transmission.joint_elasticity import JointElasticity
-from .transmission.position_dependent_spring import PositionDependentSpring
-from .transmission.rotor_inertia import RotorInertia
-from .transmission.strain_wave_error import StrainWaveError
-from .transmission.torque_ripple import TorqueRipple
+from .friction import (
+    AsymmetricFriction,
+    CoulombFriction,
+    FrictionDrift,
+    LoadDependentFriction,
+    PreslidingHysteresis,
+    StribeckFriction,
+    ViscousFriction,
+)
+from .sensors import ImuOffset, ImuTilt, JointOffset, SensorGain, SensorNoise, TimestampSkew
+from .transmission import (
+    Backlash,
+    GearEfficiency,
+    JointCoupling,
+    JointElasticity,
+    PositionDependentSpring,
+    RotorInertia,
+    StrainWaveError,
+    TorqueRipple,
+)
 from .unknown import Unknown
 
 GROUP = "pdoik.effects"

@@ -11,10 +11,9 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..motion.motion import Motion
-from ..motion.place import Columns, Place, Shape
-from ..simulation.parts import Part
-from ..study.payload import Payload
+from ..motion import Columns, Motion, Place, Shape
+from ..simulation import Part
+from ..study import Payload
 from .site import Site
 
 Axis = Literal["speed", "q", "load"]

@@ -6,9 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ..findings import Finding
-from ..motion.place import Gate
-from ..simulation.laws import GatedMemory, constant, gated, of_speed
-from ..simulation.parts import DofChange, DriveChange, HardFriction, JointTorque, Part, StatefulLaw
+from ..motion import Gate
+from ..simulation import (
+    DofChange,
+    DriveChange,
+    GatedMemory,
+    HardFriction,
+    JointTorque,
+    Part,
+    StatefulLaw,
+    constant,
+    gated,
+    of_speed,
+)
 from .catalogue import known
 from .site import Site
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ..simulation.parts import Part
+from ..simulation import Part
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,10 +9,18 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..motion.motion import Motion
-from ..motion.place import Columns, Place, Shape
-from ..simulation.laws import Variable, curve, cycle, of_speed, smooth_sign
-from ..simulation.parts import HardFriction, JointTorque, Law, Part
+from ..motion import Columns, Motion, Place, Shape
+from ..simulation import (
+    HardFriction,
+    JointTorque,
+    Law,
+    Part,
+    Variable,
+    curve,
+    cycle,
+    of_speed,
+    smooth_sign,
+)
 from .effect import Effect, Example, Parameter
 from .site import Site
 

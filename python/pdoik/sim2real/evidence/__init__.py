@@ -4,8 +4,23 @@ Comes in: `Examination`. Goes out: `ReportData`, diagnosis.json, model.json, the
 the report.
 """
 
-from .files import write
+from .files import DIAGNOSIS, write, write_files
 from .gather import evidence_of, model_of
-from .servo_model import servo_model
+from .motions import FILE_NAME, Motion, Motions
+from .replays import replay_of, replays_of
+from .servo_model import servo_model, with_drive
 
-__all__ = ["evidence_of", "model_of", "servo_model", "write"]
+__all__ = [
+    "DIAGNOSIS",
+    "FILE_NAME",
+    "Motion",
+    "Motions",
+    "evidence_of",
+    "model_of",
+    "replay_of",
+    "replays_of",
+    "servo_model",
+    "with_drive",
+    "write",
+    "write_files",
+]

@@ -9,16 +9,13 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.balances import Balances
-from ..motion.prepare import Prepared, prepare
-from ..regression.fit import Fit, Term, term_of
-from ..regression.prediction import Prediction
-from ..regression.trusted_bodies import trusted
-from ..report.data import CutoffInfluence
+from ..motion import Balances, Prepared, prepare
+from ..regression import Fit, Prediction, Term, term_of, trusted
+from ..report import CutoffInfluence
 from .traces import shown_key
 
 if TYPE_CHECKING:
-    from ..infer.conclude import Examination
+    from ..infer import Examination
 
 FACTORS = (0.5, 0.7, 1.4)  # of the chosen cut-off
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 from pdoik._files import write_whole
 
-from ..export.checked import improved_mjcf, improved_urdf
-from ..model.model import FILE_NAME, Model
+from ..export import improved_mjcf, improved_urdf
+from ..model import FILE_NAME, Model
 from .gather import evidence_of, model_of
 from .motions import FILE_NAME as MOTIONS
 from .motions import Motions
 
 if TYPE_CHECKING:
-    from ..infer.conclude import Examination
-    from ..report.data import ReportData
+    from ..infer import Examination
+    from ..report import ReportData
 
 Tell = Callable[[str, str, float], None]
 Files = Mapping[str, str | bytes]

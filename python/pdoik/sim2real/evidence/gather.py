@@ -9,13 +9,13 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..model.model import Model
-from ..regression.improved_model import improved_model
-from ..watch.of_study import with_floor
+from ..model import Model
+from ..regression import improved_model
+from ..watch import with_floor
 
 if TYPE_CHECKING:
-    from ..infer.conclude import Examination
-    from ..report.data import ReportData
+    from ..infer import Examination
+    from ..report import ReportData
 
 Tell = Callable[[str, str, float], None]
 
@@ -30,7 +30,7 @@ def evidence_of(
         quick: leave out the replays and the cut-off's influence.
         tell: called as that of `diagnose`.
     """
-    from ..report.data import Replay, ReportData
+    from ..report import Replay, ReportData
     from .cutoff_influence import cutoff_influence
     from .hypotheses import hypotheses_of
     from .replays import replays_of

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..identify.identified import Weighed
-from ..identify.support import held_out_support
-from ..motion.place import Place
-from ..regression.fit import TermKey
-from ..report.data import Hypothesis
-from ..report.words import effect_name
+from ..identify import Weighed, held_out_support
+from ..motion import Place
+from ..regression import TermKey
+from ..report import Hypothesis, effect_name
 
 if TYPE_CHECKING:
-    from ..infer.conclude import Examination
+    from ..infer import Examination
 
 _SHOWN = 60  # of the causes that were weighed and not taken, the likeliest
 

@@ -16,7 +16,7 @@ import numpy as np
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray, Recording
 
-from ..report.data import Replay, ReportData, Traces
+from ..report import Replay, ReportData, Traces
 
 SCHEMA = "pdoik.motions/1"
 FILE_NAME = "motions.npz"

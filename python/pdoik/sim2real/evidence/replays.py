@@ -10,16 +10,13 @@ import numpy as np
 from pdoik.errors import PdoikError
 from pdoik.recordings import Recording
 
-from ..model.model import Model
-from ..model.of_recording import simulator_in
-from ..report.data import Replay
-from ..simulation.leash import SHIFTED, TURNED
-from ..simulation.simulator import OPEN_LOOP_WINDOW, Drive
-from ..study.split import part
-from ..study.study import Setup
+from ..model import Model, simulator_in
+from ..report import Replay
+from ..simulation import OPEN_LOOP_WINDOW, SHIFTED, TURNED, DrivenBy
+from ..study import Setup, part
 
 if TYPE_CHECKING:
-    from ..infer.conclude import Examination
+    from ..infer import Examination
 
 MOST = 3
 LONGEST = 60.0  # of a recording [s]
@@ -80,7 +77,7 @@ def replay_of(model: Model, setup: Setup, recording: Recording, notes: list[str]
     )
 
 
-def _how(drive: Drive, strayed: Sequence[Mapping[str, int]]) -> str:
+def _how(drive: DrivenBy, strayed: Sequence[Mapping[str, int]]) -> str:
     """How it was simulated, and which joints strayed before and after the findings."""
     if drive == "controller":
         return "closed-loop simulation for the recorded commands"

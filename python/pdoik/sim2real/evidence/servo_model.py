@@ -19,10 +19,10 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..effects import CATALOGUE
 from ..findings import Estimate, Finding
-from ..infer.conclude import Examination
-from ..model.model import Model
+from ..infer import Examination
+from ..model import Model
 from ..simulation import Simulator
-from ..study.controller import Controller, VoltageDrive
+from ..study import Controller, VoltageDrive
 from .gather import model_of
 
 _STEP = 2e-3  # of the simulation [s]

@@ -8,16 +8,12 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..motion.balances import Balances, columns_of
-from ..motion.place import Key
-from ..motion.prepare import Prepared
-from ..motion.signals import zero_phase
-from ..regression.fit import Weighted
-from ..regression.trusted_bodies import effect_of
-from ..report.data import Traces
+from ..motion import Balances, Key, Prepared, columns_of, zero_phase
+from ..regression import Weighted, effect_of
+from ..report import Traces
 
 if TYPE_CHECKING:
-    from ..infer.conclude import Examination
+    from ..infer import Examination
 
 
 _AXES: tuple[Key, ...] = (("tip", 0), ("tip", 1), ("tip", 2))
@@ -41,7 +37,7 @@ def traces_of(examination: Examination) -> tuple[Traces, ...]:
 
 def shown_key(balances: Balances, j: int) -> Key | None:
     """The balance that joint j is judged by."""
-    from ..infer.verdict import preferred
+    from ..infer import preferred
 
     return next((key for key in preferred(j) if key in balances.residual), None)
 

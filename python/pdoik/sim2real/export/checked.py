@@ -9,8 +9,8 @@ import pinocchio as pin
 
 from pdoik.descriptions import quiet_mujoco
 
-from ..model.model import Model
-from ..simulation.description import read_description
+from ..model import Model
+from ..simulation import read_description
 from .export import export_mjcf, export_urdf
 
 

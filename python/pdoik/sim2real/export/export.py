@@ -13,29 +13,34 @@ from scipy.spatial.transform import Rotation
 from pdoik._files import write_whole
 from pdoik.recordings import FloatArray
 
-from ..effects.simulated import parts_of_finding
+from ..effects import parts_of_finding
 from ..findings import Finding
-from ..model.model import Model
-from ..simulation.assemble import HINGE
-from ..simulation.description import Description, nearest, read_description
-from ..simulation.drive import combine
-from ..simulation.inertial import Inertial
-from ..simulation.laws import Dahl
-from ..simulation.mjcf import mjcf_text, movable_joints, odd_inertias
-from ..simulation.parts import (
+from ..model import Model
+from ..simulation import (
+    HINGE,
+    Dahl,
+    Description,
     DofChange,
     DriveChange,
     GearPlay,
     GravityTilt,
     HardFriction,
+    Inertial,
     JointTorque,
     LinkChange,
     Part,
     Placement,
     SensorChange,
     Vector,
+    build_plant,
+    combine,
+    mjcf_text,
+    movable_joints,
+    nearest,
+    odd_inertias,
+    read_description,
+    unphysical,
 )
-from ..simulation.plant import build_plant, unphysical
 from .urdf import improve_urdf
 
 _WIDTH_OF_REST = 0.05  # [rad/s] over which friction changes its sign, that is worth a word

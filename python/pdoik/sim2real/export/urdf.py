@@ -11,10 +11,17 @@ from scipy.spatial.transform import Rotation
 from pdoik.descriptions import rotation_of_rpy
 from pdoik.recordings import FloatArray
 
-from ..simulation.description import nearest, read_description
-from ..simulation.inertial import Inertial
-from ..simulation.parts import DofChange, HardFriction, LinkChange, Part, Placement
-from ..simulation.plant import changed_inertials
+from ..simulation import (
+    DofChange,
+    HardFriction,
+    Inertial,
+    LinkChange,
+    Part,
+    Placement,
+    changed_inertials,
+    nearest,
+    read_description,
+)
 
 
 def improve_urdf(

@@ -5,3 +5,67 @@ Read in this order: `hypothesis` (what is believed beforehand), `linearisation` 
 and `proposals` (candidates), `posterior` (the moves), `identify` (what is claimed), `figures`.
 What was identified is confirmed by simulation in `confirm` and told by `infer`.
 """
+
+from .candidates import candidates
+from .company import fits_beside
+from .confidence import confidence_of, features
+from .contacts import Window, acting, clearest, contact_term, pauses, stands
+from .figures import estimates, event_estimates, values_and_errors
+from .flexible import count_independent
+from .hypothesis import Hypothesis, ordinary, peculiar
+from .identified import Identified, Part, Weighed
+from .identify import identify
+from .linearisation import Linearisation, Series
+from .model import Model
+from .ordinary import OF_JOINTS, Ordinary, changes_of
+from .pool import Pool, Scored
+from .posterior import Posterior
+from .predicted import Expected, Noise, Remainder, all_else, expected, recorded, remainder
+from .relinearised import relinearised
+from .support import as_trusted, held_out_support
+from .weighing import State, serious
+
+__all__ = [
+    "OF_JOINTS",
+    "Expected",
+    "Hypothesis",
+    "Identified",
+    "Linearisation",
+    "Model",
+    "Noise",
+    "Ordinary",
+    "Part",
+    "Pool",
+    "Posterior",
+    "Remainder",
+    "Scored",
+    "Series",
+    "State",
+    "Weighed",
+    "Window",
+    "acting",
+    "all_else",
+    "as_trusted",
+    "candidates",
+    "changes_of",
+    "clearest",
+    "confidence_of",
+    "contact_term",
+    "count_independent",
+    "estimates",
+    "event_estimates",
+    "expected",
+    "features",
+    "fits_beside",
+    "held_out_support",
+    "identify",
+    "ordinary",
+    "pauses",
+    "peculiar",
+    "recorded",
+    "relinearised",
+    "remainder",
+    "serious",
+    "stands",
+    "values_and_errors",
+]

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from weakref import WeakKeyDictionary
 
 from ..effects import CATALOGUE
-from ..motion.balances import Balances
-from ..motion.place import Key, Place
-from ..regression.fit import Term, term_of
+from ..motion import Balances, Key, Place
+from ..regression import Term, term_of
 
 _POOLS: WeakKeyDictionary[Balances, list[Term]] = WeakKeyDictionary()
 

@@ -14,13 +14,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..effects.bodies.inertial import LinkInertials
-from ..effects.drives.torque_gain import TorqueGain
+from ..effects.bodies import LinkInertials
+from ..effects.drives import TorqueGain
 from ..findings import ERRORS, Support
-from ..motion.balances import Balances
-from ..regression.fit import Fit, Term, TermKey, term_of
-from ..regression.tolerances import Tolerance
-from ..regression.trusted_bodies import DAYS, TRUST
+from ..motion import Balances
+from ..regression import DAYS, TRUST, Fit, Term, TermKey, Tolerance, term_of
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Weighed

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ..effects import CATALOGUE
-from ..effects.drives.torque_gain import TorqueGain
-from ..regression.fit import Term
-from ..regression.trusted_bodies import DAYS
+from ..effects.drives import TorqueGain
+from ..regression import DAYS, Term
 from .hypothesis import Hypothesis
 from .model import Model
 from .ordinary import OF_DAYS, OF_JOINTS, Ordinary

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.contacts.external_contact import ORIGIN, ExternalContact
-from ..motion.place import Place, Shape
-from ..regression.fit import Fit, Term, term_of
-from ..regression.one_more import gains_alone
-from ..regression.wald import wald
-from ..thresholds.diagnosis import DiagnosisThresholds
+from ..effects.contacts import ORIGIN, ExternalContact
+from ..motion import Place, Shape
+from ..regression import Fit, Term, gains_alone, term_of, wald
+from ..thresholds import DiagnosisThresholds
 
 _LENGTHS = (0.4, 0.8, 1.6, 3.2, 6.4)  # of the windows tried [s]
 

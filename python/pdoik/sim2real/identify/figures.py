@@ -11,9 +11,8 @@ from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
 from ..findings import ERRORS, Estimate
-from ..motion.balances import Balances
-from ..regression.fit import Fit, Term
-from ..regression.random_effects import spread_between
+from ..motion import Balances
+from ..regression import Fit, Term, spread_between
 from .ordinary import days_of
 
 DRAWS = 400

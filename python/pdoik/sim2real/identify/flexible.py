@@ -13,11 +13,9 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects.unknown import hats
-from ..motion.balances import Balances
-from ..motion.motion import Motion
-from ..motion.place import Balance, Columns, Place, Shape
-from ..regression.fit import Term
+from ..effects import hats
+from ..motion import Balance, Balances, Columns, Motion, Place, Shape
+from ..regression import Term
 from .hypothesis import Hypothesis, ordinary, usual_size
 from .linearisation import Linearisation
 from .model import Model

@@ -10,11 +10,8 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.balances import axis_of
-from ..motion.place import Gate, Place
-from ..regression.fit import Fit, Term, term_of
-from ..regression.one_more import OneMore, gains_alone
-from ..regression.refine import refined
+from ..motion import Gate, Place, axis_of
+from ..regression import Fit, OneMore, Term, gains_alone, refined, term_of
 from .candidates import candidates
 from .harmonics import harmonic_terms
 

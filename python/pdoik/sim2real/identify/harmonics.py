@@ -9,8 +9,8 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.place import Place
-from ..regression.fit import Fit, Term, term_of
+from ..motion import Place
+from ..regression import Fit, Term, term_of
 
 _LOWEST, _HIGHEST = 3, 300  # cycles per turn; gravity has one, inertia two
 _TRIED = 2  # harmonics per joint that are worked out

@@ -9,11 +9,9 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.balances import Balances
-from ..motion.place import Gate, Key
-from ..regression.background import usual_torque
-from ..regression.fit import Term, TermKey
-from ..thresholds.priors import PriorThresholds
+from ..motion import Balances, Gate, Key
+from ..regression import Term, TermKey, usual_torque
+from ..thresholds import PriorThresholds
 
 _LEAST_FIXED, _MOST_FIXED = 0.6, 1.6
 

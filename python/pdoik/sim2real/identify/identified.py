@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ..findings import Support
-from ..motion.balances import Balances
-from ..regression.fit import Fit, Term, TermKey
+from ..motion import Balances
+from ..regression import Fit, Term, TermKey
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

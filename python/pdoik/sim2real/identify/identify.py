@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..effects import CATALOGUE
-from ..motion.prepare import Prepared
-from ..regression.fit import term_of
+from ..motion import Prepared
+from ..regression import term_of
 from .claims import identified
 from .hypothesis import Hypothesis, peculiar
 from .identified import Identified

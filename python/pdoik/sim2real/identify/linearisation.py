@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..motion.balances import Balances
-from ..motion.place import Key
-from ..regression.fit import Term
-from ..regression.repeats import repeats
+from ..motion import Balances, Key
+from ..regression import Term, repeats
 
 _ROOM = 64  # columns that are taken at once
 

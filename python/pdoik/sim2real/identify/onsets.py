@@ -13,10 +13,8 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.balances import Balances, axis_of
-from ..motion.place import Key
-from ..regression.fit import Fit, Term
-from ..regression.one_more import gains_alone
+from ..motion import Balances, Key, axis_of
+from ..regression import Fit, Term, gains_alone
 
 MOMENTS = 60  # moments of the study at which an onset is looked for first
 

@@ -15,17 +15,23 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.drives.torque_gain import TorqueGain
-from ..effects.drives.torque_offset import TorqueOffset
-from ..effects.friction.coulomb_friction import CoulombFriction
-from ..effects.friction.viscous_friction import ViscousFriction
-from ..effects.transmission.rotor_inertia import RotorInertia
-from ..motion.balances import Balances
-from ..motion.place import Place, Shape
-from ..regression.background import imu_parts, usual_torque
-from ..regression.fit import Fit, Term, term_of
-from ..regression.tolerances import SCALE, SPEED, ZERO, Tolerance
-from ..regression.trusted_bodies import DAYS, trusted
+from ..effects.drives import TorqueGain, TorqueOffset
+from ..effects.friction import CoulombFriction, ViscousFriction
+from ..effects.transmission import RotorInertia
+from ..motion import Balances, Place, Shape
+from ..regression import (
+    DAYS,
+    SCALE,
+    SPEED,
+    ZERO,
+    Fit,
+    Term,
+    Tolerance,
+    imu_parts,
+    term_of,
+    trusted,
+    usual_torque,
+)
 from .hypothesis import Hypothesis, ordinary
 from .model import Model
 from .pool import Pool

@@ -17,7 +17,7 @@ from scipy import linalg
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.place import Key
+from ..motion import Key
 from .hypothesis import Hypothesis
 from .identified import Weighed
 from .linearisation import Linearisation

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ..effects import CATALOGUE
-from ..regression.fit import TermKey
+from ..regression import TermKey
 from .company import fits_beside, of_torque
 from .hypothesis import Hypothesis
 from .pool import Pool, Scored

@@ -24,10 +24,8 @@ from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
 from ..findings import HadBy, Support
-from ..motion.balances import Balances
-from ..motion.place import Key, Place
-from ..regression.fit import Term
-from ..regression.trusted_bodies import TRUST
+from ..motion import Balances, Key, Place
+from ..regression import TRUST, Term
 from ..thresholds import Thresholds
 from .candidates import same_kind
 from .company import is_ordinary

@@ -10,11 +10,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..effects import CATALOGUE
-from ..effects.unknown import VARIABLES, Unknown
-from ..motion.balances import Balances
-from ..motion.place import Gate, Key, Place, Shape
-from ..regression.fit import Fit, Term, term_of
+from ..effects import CATALOGUE, VARIABLES, Unknown
+from ..motion import Balances, Gate, Key, Place, Shape
+from ..regression import Fit, Term, term_of
 from .contacts import contact_term
 from .gates import PARTS, likely_gates, plain_terms, terms_at, with_gate
 from .harmonics import harmonic_terms

@@ -12,13 +12,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..motion.balances import Balances, columns_of
-from ..motion.foot_forces import with_ground
-from ..motion.motion import Motion
-from ..motion.prepare import Prepared
-from ..motion.rigid_body import STANDARD_GRAVITY
-from ..regression.fit import Fit, Weighted, term_of
-from ..regression.trusted_bodies import TRUST, effect_of
+from ..motion import STANDARD_GRAVITY, Balances, Motion, Prepared, columns_of, with_ground
+from ..regression import TRUST, Fit, Weighted, effect_of, term_of
 
 _GRAVITY = "gravity"  # of a motion's cache, under which its bodies are
 

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.bodies.inertial import LinkInertials
-from ..effects.drives.torque_gain import TorqueGain
+from ..effects.bodies import LinkInertials
+from ..effects.drives import TorqueGain
 from ..findings import HadBy, Support
-from ..regression.fit import Fit, Term
-from ..regression.tolerances import Tolerance
-from ..regression.trusted_bodies import TRUST
-from ..thresholds.diagnosis import DiagnosisThresholds
+from ..regression import TRUST, Fit, Term, Tolerance
+from ..thresholds import DiagnosisThresholds
 from .model import LEAST_OWN, unexplained
 from .ordinary import OF_JOINTS, days_of
 

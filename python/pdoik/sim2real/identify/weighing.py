@@ -9,9 +9,8 @@ from typing import Self
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..motion.balances import Balances
-from ..regression.fit import Fit, TermKey
-from ..regression.refine import refined
+from ..motion import Balances
+from ..regression import Fit, TermKey, refined
 from .candidates import candidates, is_restless
 from .company import beside, has_shape, is_ordinary, wider
 from .flexible import count_independent

@@ -3,3 +3,33 @@
 Comes in: `Identified`. Goes out: `Examination`, a `Diagnosis` with all it rests on. Recordings held
 out come in here, last, and change no finding. Next: evidence and report.
 """
+
+from .answerable import why_unanswerable
+from .changing_friction import spreads_of
+from .conclude import Examination, conclude
+from .event_support import event_support
+from .figures import at_bound, within_bounds
+from .residue import residue_of
+from .sampling import blur, lateness, shared_by_all, widened
+from .torque_scale import with_torque_scale
+from .verdict import preferred, simulator_notes, source_in_words, verdict_of
+
+__all__ = [
+    "Examination",
+    "at_bound",
+    "blur",
+    "conclude",
+    "event_support",
+    "lateness",
+    "preferred",
+    "residue_of",
+    "shared_by_all",
+    "simulator_notes",
+    "source_in_words",
+    "spreads_of",
+    "verdict_of",
+    "why_unanswerable",
+    "widened",
+    "with_torque_scale",
+    "within_bounds",
+]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..channels.check_channels import ChannelCheck
-from ..controllers.check_controllers import ControllerCheck
-from ..motion.prepare import Prepared
+from ..channels import ChannelCheck
+from ..controllers import ControllerCheck
+from ..motion import Prepared
 
 _LISTED = 6  # joints in one sentence
 

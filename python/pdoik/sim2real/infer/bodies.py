@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..effects.bodies.inertial import LinkInertials, Payload
+from ..effects.bodies import LinkInertials, Payload
 from ..findings import ERRORS, Estimate
-from ..identify.figures import estimates
-from ..identify.identified import Identified
-from ..motion.place import Place
-from ..regression.fit import Term
+from ..identify import Identified, estimates
+from ..motion import Place
+from ..regression import Term
 
 Estimates = dict[int, dict[str, Estimate]]
 

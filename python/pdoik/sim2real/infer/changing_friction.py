@@ -15,14 +15,11 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.friction.friction_drift import FrictionDrift
+from ..effects.friction import FrictionDrift
 from ..findings import MOST_EQUIVALENTS, Equivalent, Finding
-from ..motion.place import Key
-from ..regression.background import friction_at
-from ..regression.fit import Fit
-from ..regression.random_effects import spread_between
-from ..thresholds import Thresholds
-from ..thresholds.diagnosis import DiagnosisThresholds
+from ..motion import Key
+from ..regression import Fit, friction_at, spread_between
+from ..thresholds import DiagnosisThresholds, Thresholds
 
 
 def spreads_of(fit: Fit) -> dict[int, float]:

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..channels.check_channels import ChannelCheck
-from ..controllers.check_controllers import ControllerCheck
+from ..channels import ChannelCheck
+from ..controllers import ControllerCheck
 from ..effects import CATALOGUE
-from ..effects.bodies.inertial import Payload
+from ..effects.bodies import Payload
 from ..findings import (
     MOST_EQUIVALENTS,
     Diagnosis,
@@ -24,15 +24,19 @@ from ..findings import (
     Finding,
     OrdinaryPart,
 )
-from ..identify.confidence import confidence_of
-from ..identify.figures import estimates
-from ..identify.identified import Identified, Part
-from ..motion.prepare import Prepared
-from ..regression.background import background
-from ..regression.fit import Fit, Term
-from ..regression.naming import Found, channel_of, finding_of, link_of
-from ..regression.prediction import Prediction
-from ..regression.trusted_bodies import effect_of
+from ..identify import Identified, Part, confidence_of, estimates
+from ..motion import Prepared
+from ..regression import (
+    Fit,
+    Found,
+    Prediction,
+    Term,
+    background,
+    channel_of,
+    effect_of,
+    finding_of,
+    link_of,
+)
 from .changing_friction import changing, spreads_of, with_changes
 from .events import held_out_contacts, within
 from .figures import Figures, figures_of

@@ -14,10 +14,9 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..findings import Support
-from ..identify.contacts import acting
-from ..motion.place import Key
-from ..regression.fit import Fit, Index, Term
-from ..regression.wald import wald
+from ..identify import acting
+from ..motion import Key
+from ..regression import Fit, Index, Term, wald
 
 _SEEN = 1e-4  # of the strongest direction of a force: what motors feel less of is left at zero
 

@@ -6,15 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..findings import Evidence, Finding
-from ..identify.confidence import confidence_of
-from ..identify.contacts import contact_term, pauses, stands
-from ..identify.figures import event_estimates
-from ..identify.identified import Identified
-from ..motion.prepare import Prepared
-from ..regression.fit import Fit, Term
-from ..regression.naming import Found, channel_of, finding_of
-from ..regression.prediction import Prediction
-from ..regression.trusted_bodies import effect_of
+from ..identify import Identified, confidence_of, contact_term, event_estimates, pauses, stands
+from ..motion import Prepared
+from ..regression import Fit, Found, Prediction, Term, channel_of, effect_of, finding_of
 from ..thresholds import Thresholds
 from .event_support import event_support
 

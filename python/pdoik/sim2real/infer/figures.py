@@ -9,16 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..confirm.simulated_estimates import simulated_estimates
+from ..confirm import simulated_estimates
 from ..effects import CATALOGUE, Effect
 from ..findings import ERRORS, Estimate
-from ..identify.figures import estimates
-from ..identify.identified import Identified
-from ..motion.place import Place
-from ..motion.prepare import Prepared
-from ..regression.fit import Fit, Term
-from ..regression.naming import described
-from ..regression.second_order import to_second_order
+from ..identify import Identified, estimates
+from ..motion import Place, Prepared
+from ..regression import Fit, Term, described, to_second_order
 from .bodies import by_moments
 from .sampling import widened, without_sampling
 from .torque_scale import with_torque_scale

@@ -7,16 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import CATALOGUE
-from ..effects.drives.torque_saturation import OF_COMMAND, TorqueSaturation, kinds, top_of
+from ..effects.drives import OF_COMMAND, TorqueSaturation, kinds, top_of
 from ..findings import Estimate, Evidence, Finding
-from ..motion.balances import Balances
-from ..motion.flat_top import FlatTop
-from ..motion.place import Place
-from ..motion.prepare import Prepared
-from ..regression.fit import Fit, Term, term_of
-from ..regression.naming import Found, finding_of
-from ..regression.prediction import Prediction
-from ..regression.refine import refined
+from ..motion import Balances, FlatTop, Place, Prepared
+from ..regression import Fit, Found, Prediction, Term, finding_of, refined, term_of
 from .event_support import event_support
 from .events import only_held_out
 

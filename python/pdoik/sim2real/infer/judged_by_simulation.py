@@ -8,14 +8,11 @@ import numpy as np
 
 from pdoik.errors import PdoikError
 
-from ..confirm.confirm_by_simulation import run_without
-from ..confirm.rollouts import Arm, Rollout
+from ..confirm import Arm, Rollout, run_without
 from ..findings import Evidence
-from ..identify.identified import Identified
-from ..motion.place import Key
-from ..motion.prepare import Prepared
-from ..regression.fit import TermKey
-from ..regression.prediction import share_by_blocks
+from ..identify import Identified
+from ..motion import Key, Prepared
+from ..regression import TermKey, share_by_blocks
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

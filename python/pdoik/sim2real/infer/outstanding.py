@@ -13,11 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..findings import JointFit, Residue
-from ..identify.identified import Identified
-from ..motion.place import Key
-from ..motion.prepare import Prepared
-from ..regression.background import friction_at
-from ..regression.fit import Fit
+from ..identify import Identified
+from ..motion import Key, Prepared
+from ..regression import Fit, friction_at
 
 
 def with_outstanding(

@@ -7,8 +7,7 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..findings import Residue
-from ..motion.balances import Balances
-from ..motion.place import Key
+from ..motion import Balances, Key
 
 _BINS = 12
 

@@ -14,15 +14,10 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..effects.drives.command_delay import OF_POSITION, OF_TORQUE, CommandDelay, period_of
+from ..effects.drives import OF_POSITION, OF_TORQUE, CommandDelay, period_of
 from ..findings import Estimate
-from ..motion.balances import Balances
-from ..motion.place import Key, Place
-from ..motion.prepare import Prepared
-from ..regression.fit import Fit, Term
-from ..regression.naming import described
-from ..regression.trusted_bodies import effect_of
-from ..regression.wald import robust
+from ..motion import Balances, Key, Place, Prepared
+from ..regression import Fit, Term, described, effect_of, robust
 
 _SMALL = 0.2  # of a period: the step of a derivative by the delay
 

@@ -10,7 +10,7 @@ from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
 from ..findings import Estimate
-from ..regression.naming import Found
+from ..regression import Found
 
 
 def merged(found: list[Found], joints: tuple[str, ...]) -> list[Found]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from ..findings import Estimate
-from ..study.study import Study
+from ..study import Study
 
 OF_TORQUE = re.compile(r"\b(N|kg)\b")
 

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..effects import CATALOGUE
-from ..identify.identified import Identified
-from ..motion.prepare import Prepared
-from ..regression.fit import Term, TermKey
-from ..regression.naming import Found, finding_of
+from ..identify import Identified
+from ..motion import Prepared
+from ..regression import Found, Term, TermKey, finding_of
 
 
 def with_unsaid(prepared: Prepared, state: Identified, found: Sequence[Found]) -> list[Found]:

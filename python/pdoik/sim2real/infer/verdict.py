@@ -8,16 +8,13 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects.unknown import Unknown
+from ..effects import Unknown
 from ..findings import Finding, JointFit, Verdict
-from ..identify.identified import Identified
-from ..identify.ordinary import changes_of
-from ..motion.balances import Balances
-from ..motion.place import Key
-from ..motion.prepare import Prepared, simulated
-from ..regression.prediction import Prediction
-from ..study.study import Study
-from ..thresholds.diagnosis import DiagnosisThresholds
+from ..identify import Identified, changes_of
+from ..motion import Balances, Key, Prepared, simulated
+from ..regression import Prediction
+from ..study import Study
+from ..thresholds import DiagnosisThresholds
 from .residue import residue_of
 
 _FEW_SESSIONS = 3  # fewer tell next to nothing of others

@@ -9,9 +9,9 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects.simulated import parts_of_finding
+from ..effects import parts_of_finding
 from ..findings import Diagnosis, Finding
-from ..study.controller import Controller, VoltageDrive
+from ..study import Controller, VoltageDrive
 
 _DRIVE = ("torque_per_volt", "back_emf", "supply_loss", "volts", "duty_limit")
 

@@ -11,16 +11,23 @@ from pdoik._files import write_whole
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray, Recording
 
-from ..effects.simulated import not_simulated, parts_of_finding
+from ..effects import not_simulated, parts_of_finding
 from ..findings import Diagnosis, Finding
-from ..simulation import Part, Simulator, Stepper
-from ..simulation.description import nearest, read_description
-from ..simulation.inertial import Inertial
-from ..simulation.mjcf import flat_mjcf
-from ..simulation.parts import ExternalForce, LinkChange, Vector
-from ..simulation.plant import STANDARD_GRAVITY, link_carrying
-from ..study.payload import Payload
-from ..study.study import Controller, Study
+from ..simulation import (
+    STANDARD_GRAVITY,
+    ExternalForce,
+    Inertial,
+    LinkChange,
+    Part,
+    Simulator,
+    Stepper,
+    Vector,
+    flat_mjcf,
+    link_carrying,
+    nearest,
+    read_description,
+)
+from ..study import Controller, Payload, Study
 from .content import array_of, controller_content, controller_of, findings_of, listed, required
 from .healthy import Healthy
 

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..simulation import Simulator
-from ..simulation.inertial import Inertial
-from ..simulation.parts import LinkChange
-from ..study.payload import Payload
-from ..study.study import Setup
+from ..simulation import Inertial, LinkChange, Simulator
+from ..study import Payload, Setup
 from .model import Model
 
 

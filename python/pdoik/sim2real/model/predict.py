@@ -13,13 +13,18 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..effects import CATALOGUE
 from ..findings import Finding
-from ..motion.balances import columns_of
-from ..motion.cutoff import chosen_cutoff, noise_of
-from ..motion.motion import Motion, motion_of, thinned
-from ..motion.place import Place
-from ..motion.rigid_body import RigidBody
-from ..motion.signals import zero_phase
-from ..simulation.description import Description, nearest, read_description
+from ..motion import (
+    Motion,
+    Place,
+    RigidBody,
+    chosen_cutoff,
+    columns_of,
+    motion_of,
+    noise_of,
+    thinned,
+    zero_phase,
+)
+from ..simulation import Description, nearest, read_description
 from .model import Model
 
 

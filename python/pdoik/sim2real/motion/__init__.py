@@ -3,3 +3,68 @@
 Comes in: a `Study`. Goes out: `Prepared`, with a smooth `Motion` for each recording and `Balances`:
 what was measured less what the model says, through one filter, with noise floors. Next: channels.
 """
+
+from .balances import Balances, axis_of, columns_of
+from .base_motion import base_motion_of
+from .carried_body import CarriedBody
+from .ceiling import Ceiling, ceiling_of, pile_at
+from .cutoff import chosen_cutoff, noise_of
+from .falling_top import FallingTop, falling_top
+from .feet import FootMotion
+from .flat_top import FlatTop, Torques, flat_top
+from .foot_forces import with_ground
+from .free_rows import directions_of
+from .motion import Motion, motion_of, thinned
+from .motion_noise import ImuNoise
+from .place import Balance, Columns, Gate, Key, Place, Shape, tilt_key
+from .prepare import Prepared, motions_of, prepare, simulated
+from .rigid_body import STANDARD_GRAVITY, RigidBody
+from .signals import derivative, dilated, lagged, noise_density, shifted, zero_phase
+from .told_sessions import told_sessions
+from .turned import torque_turned
+
+__all__ = [
+    "STANDARD_GRAVITY",
+    "Balance",
+    "Balances",
+    "CarriedBody",
+    "Ceiling",
+    "Columns",
+    "FallingTop",
+    "FlatTop",
+    "FootMotion",
+    "Gate",
+    "ImuNoise",
+    "Key",
+    "Motion",
+    "Place",
+    "Prepared",
+    "RigidBody",
+    "Shape",
+    "Torques",
+    "axis_of",
+    "base_motion_of",
+    "ceiling_of",
+    "chosen_cutoff",
+    "columns_of",
+    "derivative",
+    "dilated",
+    "directions_of",
+    "falling_top",
+    "flat_top",
+    "lagged",
+    "motion_of",
+    "motions_of",
+    "noise_density",
+    "noise_of",
+    "pile_at",
+    "prepare",
+    "shifted",
+    "simulated",
+    "thinned",
+    "tilt_key",
+    "told_sessions",
+    "torque_turned",
+    "with_ground",
+    "zero_phase",
+]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..study.rates import ROWS
+from ..study import ROWS
 from ..thresholds import Thresholds
 from .free_rows import free_rows
 from .motion import Motion

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..study.floating_base import FloatingBase
+from ..study import FloatingBase
 from .signals import derivative, zero_phase
 
 _UP = np.array([0.0, 0.0, 9.81])

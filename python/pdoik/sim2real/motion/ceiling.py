@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..thresholds.limits import LimitThresholds
+from ..thresholds import LimitThresholds
 from .flat_top import occasions_of
 from .motion import Motion
 

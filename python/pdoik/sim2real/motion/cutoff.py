@@ -8,8 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..study.rates import highest_cutoff
-from ..thresholds.noise import NoiseThresholds
+from ..study import highest_cutoff
+from ..thresholds import NoiseThresholds
 from .motion_noise import position_noise
 from .rigid_body import RigidBody
 from .signals import noise_density

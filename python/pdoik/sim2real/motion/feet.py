@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..study.floating_base import FloatingBase, Foot
+from ..study import FloatingBase, Foot
 from .carried_body import CarriedBody
 from .place import Balance, Key
 from .rigid_body import STANDARD_GRAVITY

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..thresholds.limits import LimitThresholds
+from ..thresholds import LimitThresholds
 from .signals import noise_density
 
 Torques = tuple[FloatArray, FloatArray, NDArray[np.bool_], float]

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..study.floating_base import Ground
-from ..thresholds.feet import FeetThresholds
-from ..thresholds.noise import NoiseThresholds
+from ..study import Ground
+from ..thresholds import FeetThresholds, NoiseThresholds
 from .feet import FootMotion, force_by_position
 from .free_rows import foot_directions
 from .motion import Motion

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..thresholds.noise import NoiseThresholds
+from ..thresholds import NoiseThresholds
 from .motion import Motion
 from .motion_noise import base_noise, inertial_noise
 from .place import Columns, Key

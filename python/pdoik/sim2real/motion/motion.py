@@ -11,8 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..study.floating_base import FloatingBase
-from ..study.study import Controller, Setup
+from ..study import Controller, FloatingBase, Setup
 from ..thresholds import Thresholds
 from .base_motion import BaseMotion, base_motion_of
 from .carried_body import CarriedBody

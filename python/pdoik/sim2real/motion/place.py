@@ -9,7 +9,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..study.payload import Payload
+from ..study import Payload
 
 Balance = Literal[
     "torque", "drive", "law", "velocity", "tip", "servo", "base", "imu", "foot", "tilt", "grip"

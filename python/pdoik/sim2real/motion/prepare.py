@@ -8,7 +8,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..study.study import Setup, Study
+from ..study import Setup, Study
 from .balances import Balances
 from .cutoff import chosen_cutoff, noise_of
 from .foot_forces import with_ground

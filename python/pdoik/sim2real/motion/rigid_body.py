@@ -13,7 +13,7 @@ import pinocchio as pin
 from pdoik.descriptions import RobotDescription
 from pdoik.recordings import FloatArray
 
-from ..study.payload import Payload
+from ..study import Payload
 
 STANDARD_GRAVITY = 9.81
 _SPEED_OF_REST = 2e-3  # within which the description's dry friction turns [rad/s]

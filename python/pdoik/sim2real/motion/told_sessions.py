@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..study.study import Setup
+from ..study import Setup
 
 
 def told_sessions(setups: Sequence[Setup]) -> NDArray[np.intp] | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..findings import Support
-from ..identify.confidence import confidence_of
+from ..identify import confidence_of
 from ..thresholds import Thresholds
 
 Pair = tuple[str, str]  # a finding and its rival, in words

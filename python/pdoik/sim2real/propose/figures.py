@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..identify.model import Model
-from ..identify.ordinary import OF_JOINTS
+from ..identify import OF_JOINTS, Model
 
 Information = Mapping[tuple[str, int], float]
 """Of each figure of a joint, what rows say beyond what was believed: an inverse variance."""

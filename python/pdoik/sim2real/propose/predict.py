@@ -10,13 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..motion.balances import Balances
-from ..motion.base_motion import base_motion_of
-from ..motion.carried_body import CarriedBody
-from ..motion.motion import Motion
-from ..motion.place import Key
-from ..motion.prepare import Prepared, motions_of
-from ..study.study import Setup
+from ..motion import Balances, CarriedBody, Key, Motion, Prepared, base_motion_of, motions_of
+from ..study import Setup
 from .excitation import Frame
 from .path import STEP, Path
 from .questions import Cause

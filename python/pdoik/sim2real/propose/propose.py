@@ -11,11 +11,11 @@ from threadpoolctl import threadpool_limits
 from pdoik.errors import LoadError
 
 from ..diagnose import Tell, made_ready
-from ..evidence.files import DIAGNOSIS
+from ..evidence import DIAGNOSIS
 from ..findings import Diagnosis, Finding
-from ..model.model import FILE_NAME, Model, load_model
-from ..motion.prepare import Prepared
-from ..study.read_study import load_study
+from ..model import FILE_NAME, Model, load_model
+from ..motion import Prepared
+from ..study import load_study
 from .clear import Clear, Verdict
 from .design import Bounds, Design, designed
 from .excitation import random_motion

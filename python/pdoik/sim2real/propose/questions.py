@@ -11,12 +11,10 @@ from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE, Effect
 from ..findings import Diagnosis, Equivalent, Finding
-from ..model.predict import places_of
-from ..motion.balances import Balances
-from ..motion.place import Key, Place, Shape
-from ..motion.prepare import Prepared
-from ..regression.naming import where_in_words
-from ..thresholds.propose import ProposeThresholds
+from ..model import places_of
+from ..motion import Balances, Key, Place, Prepared, Shape
+from ..regression import where_in_words
+from ..thresholds import ProposeThresholds
 
 ENOUGH = ProposeThresholds().enough
 """Confidence from which a finding needs no further motion."""

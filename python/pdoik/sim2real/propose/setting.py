@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray
 
-from ..model.model import robot_text
-from ..motion.prepare import Prepared
+from ..model import robot_text
+from ..motion import Prepared
 from .clear import Clear
 from .design import Bounds
 from .excitation import Frame

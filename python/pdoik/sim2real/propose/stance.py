@@ -11,9 +11,8 @@ from scipy.spatial import ConvexHull, QhullError
 from pdoik.descriptions import quiet_mujoco
 from pdoik.recordings import FloatArray
 
-from ..simulation.mjcf import mjcf_text
-from ..simulation.plant import build_plant
-from ..study.study import Study
+from ..simulation import build_plant, mjcf_text
+from ..study import Study
 from .path import STEP, Path
 
 _DT = 1e-3  # of MuJoCo [s]

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from pdoik.recordings import FloatArray
 
-from ..motion.prepare import Prepared
+from ..motion import Prepared
 from .excitation import Frame
 from .limits import Limits
 from .path import STEP, Path

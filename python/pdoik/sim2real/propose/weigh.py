@@ -16,14 +16,20 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import Effect
-from ..identify.hypothesis import Hypothesis, peculiar
-from ..identify.model import Model
-from ..identify.ordinary import Ordinary
-from ..identify.predicted import Noise, Remainder, all_else, expected, recorded, remainder
-from ..motion.balances import Balances
-from ..motion.place import Key, Place, Shape
-from ..motion.prepare import Prepared
-from ..regression.fit import Term
+from ..identify import (
+    Hypothesis,
+    Model,
+    Noise,
+    Ordinary,
+    Remainder,
+    all_else,
+    expected,
+    peculiar,
+    recorded,
+    remainder,
+)
+from ..motion import Balances, Key, Place, Prepared, Shape
+from ..regression import Term
 from .expected import Pair, Prospect, Rivalry, clarity, expected_confidence
 from .figures import Figure, figures
 from .questions import Cause, Option, Question, said, standing

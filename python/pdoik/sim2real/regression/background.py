@@ -15,10 +15,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects.sensors.imu import ImuOffset, ImuTilt
-from ..motion.balances import Balances
-from ..motion.motion import Motion
-from ..motion.place import Columns, Key, Place, Shape
+from ..effects.sensors import ImuOffset, ImuTilt
+from ..motion import Balances, Columns, Key, Motion, Place, Shape
 from .fit import Fit, Term, term_of
 from .repeats import repeats_of
 from .trusted_bodies import trusted

@@ -14,8 +14,7 @@ from scipy import linalg, optimize
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE, Effect
-from ..motion.balances import Balances
-from ..motion.place import Key, Place, Shape
+from ..motion import Balances, Key, Place, Shape
 from .real_bodies import with_real_bodies
 
 _RIDGE = 1e-9  # relative to the largest diagonal entry

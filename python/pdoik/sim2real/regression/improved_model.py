@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ..findings import Finding
-from ..model.model import Model
-from ..motion.prepare import Prepared
-from ..simulation.description import read_description
+from ..model import Model
+from ..motion import Prepared
+from ..simulation import read_description
 from .fit import Fit
 from .trusted_bodies import TRUST
 

@@ -12,10 +12,8 @@ from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE, Effect
 from ..findings import ERRORS, Equivalent, Estimate, Evidence, Finding, Support
-from ..motion.motion import Motion
-from ..motion.place import Gate, Key, Place
-from ..motion.prepare import Prepared
-from ..study.study import Study
+from ..motion import Gate, Key, Motion, Place, Prepared
+from ..study import Study
 from .fit import Term
 
 Found = tuple[Finding, tuple[Term, ...]]

@@ -7,7 +7,7 @@ from scipy import linalg
 
 from pdoik.recordings import FloatArray
 
-from ..motion.place import Key
+from ..motion import Key
 from .fit import TRACE, Fit, Term
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..findings import Evidence
-from ..motion.balances import Balances
-from ..motion.place import Key
+from ..motion import Balances, Key
 from .fit import Fit, Term, TermKey
 from .trusted_bodies import effect_of
 

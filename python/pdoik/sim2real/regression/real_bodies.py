@@ -16,7 +16,7 @@ from scipy import linalg, optimize
 
 from pdoik.recordings import FloatArray
 
-from ..simulation.inertial import Inertial
+from ..simulation import Inertial
 
 _ROUNDS = 20  # of bodies in turn
 _STILL = 1e-6  # of a body's own size, that a round moves it

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..motion.balances import Balances
+from ..motion import Balances
 
 
 def repeats(parts: Iterable[FloatArray]) -> float:

@@ -8,7 +8,7 @@ from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
 from ..findings import Estimate
-from ..motion.place import Key
+from ..motion import Key
 from .fit import Fit, Term
 
 _ROUNDS = 3

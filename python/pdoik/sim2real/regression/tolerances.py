@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..effects.drives.torque_channel import OF_DRIVE
-from ..effects.drives.torque_gain import TorqueGain
-from ..effects.drives.torque_offset import TorqueOffset
-from ..effects.effect import Effect
-from ..motion.motion import Motion
-from ..motion.place import Columns, Place, Shape
+from ..effects import Effect
+from ..effects.drives import OF_DRIVE, TorqueGain, TorqueOffset
+from ..motion import Columns, Motion, Place, Shape
 
 ZERO, SCALE, SPEED = 0.0, 1.0, 2.0
 """Shapes: a drive's zero, its scale, a speed's scale."""

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..effects import CATALOGUE, Effect
-from ..effects.bodies.inertial import LinkInertials
-from ..motion.balances import Balances
-from ..motion.motion import Motion
-from ..motion.place import Columns, Place, Shape
+from ..effects.bodies import LinkInertials
+from ..motion import Balances, Columns, Motion, Place, Shape
 from .fit import Term, term_of
 from .tolerances import Tolerance
 

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 from pdoik.sim2real.findings import Diagnosis
 
+from .curves import binned, busiest, envelope, reach
 from .data import CutoffInfluence, Hypothesis, RegimeMap, Replay, ReportData, Traces
 from .drive_figure import drives_picture
 from .joint_figure import joint_picture
+from .matrix import Matrix, cell, heading, line, matrix_of
 from .overview import overview_png
 from .page import Pictures, opened_joints, page
 from .regimes import regime_map
 from .replay_figure import replay_picture
 from .study_figures import cutoff_picture, hypotheses_picture, joints_picture, regimes_picture
-from .style import house_style
-
-__all__ = [
-    "CutoffInfluence",
-    "Hypothesis",
-    "RegimeMap",
-    "Replay",
-    "ReportData",
-    "Traces",
-    "render_report",
-]
+from .style import AFTER, BEFORE, MEASURED, Picture, house_style, picture, png_of, short
+from .words import (
+    VERDICTS,
+    changes_words,
+    effect_name,
+    estimate_numbers,
+    joint_state,
+    number,
+    parameters_of,
+    percent,
+    place,
+    residue_words,
+    suspected_words,
+)
 
 POINTS = 14000  # samples in all clouds of one kind of panel: they make the page's size
 MOST_REPLAYS = 3
@@ -62,3 +67,47 @@ def draw_pictures(diagnosis: Diagnosis, data: ReportData) -> Pictures:
         ),
         cutoff=cutoff_picture(data, data.cutoff) if data.cutoff is not None else None,
     )
+
+
+__all__ = [
+    "AFTER",
+    "BEFORE",
+    "MEASURED",
+    "VERDICTS",
+    "CutoffInfluence",
+    "Hypothesis",
+    "Matrix",
+    "Picture",
+    "Pictures",
+    "RegimeMap",
+    "Replay",
+    "ReportData",
+    "Traces",
+    "binned",
+    "busiest",
+    "cell",
+    "changes_words",
+    "drives_picture",
+    "effect_name",
+    "envelope",
+    "estimate_numbers",
+    "heading",
+    "house_style",
+    "joint_picture",
+    "joint_state",
+    "line",
+    "matrix_of",
+    "number",
+    "page",
+    "parameters_of",
+    "percent",
+    "picture",
+    "place",
+    "png_of",
+    "reach",
+    "regime_map",
+    "render_report",
+    "residue_words",
+    "short",
+    "suspected_words",
+]

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.findings import Diagnosis, Equivalent, Estimate, Finding, JointFit, Verdict
-from pdoik.sim2real.thresholds.diagnosis import DiagnosisThresholds
+from pdoik.sim2real.thresholds import DiagnosisThresholds
 
 _LIMITS = DiagnosisThresholds()
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..study.controller import Controller, VoltageDrive
+from ..study import Controller, VoltageDrive
 from .parts import Part, Vector
 from .plant import STANDARD_GRAVITY, build_plant
 

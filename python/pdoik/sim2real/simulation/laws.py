@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..motion.place import Gate
+from ..motion import Gate
 from .parts import Law, StatefulLaw
 
 Variable = Literal["time", "position", "speed", "load"]

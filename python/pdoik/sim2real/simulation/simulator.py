@@ -12,8 +12,8 @@ import numpy as np
 from pdoik.descriptions import quiet_mujoco
 from pdoik.recordings import FloatArray, Recording
 
-from ..motion.signals import lagged
-from ..study.study import Controller
+from ..motion import lagged
+from ..study import Controller
 from .control import Control, GravityModel, control_law, longest_control_step, missing_rotor_inertia
 from .leash import LOOKED_EVERY, Leash
 from .parts import Part, SensedChannel, Vector
@@ -22,7 +22,7 @@ from .segments import Segment, measured_state, row_at, run_ends, sampled
 from .stepper import Stepper
 
 OPEN_LOOP_WINDOW = 0.2  # a robot without its controller falls away from a recording [s]
-Drive = Literal["controller", "tau_cmd", "tau"]
+DrivenBy = Literal["controller", "tau_cmd", "tau"]
 
 
 class Simulator:
@@ -80,7 +80,7 @@ class Simulator:
         """What was assumed of the model, in words."""
         return self.stepper.plant.notes + self._added
 
-    def drive_for(self, commands: Recording) -> Drive:
+    def drive_for(self, commands: Recording) -> DrivenBy:
         """What can drive the simulation: the controller, or else a recorded torque.
 
         Raises:
@@ -102,7 +102,7 @@ class Simulator:
         self,
         commands: Recording,
         *,
-        drive: Drive | None = None,
+        drive: DrivenBy | None = None,
         window: float | None = None,
         q0: FloatArray | None = None,
         dq0: FloatArray | None = None,
@@ -165,7 +165,7 @@ class Simulator:
         self.put_back = {joint: count for joint, count in strays if count}
         return self._recording(commands, segments, drive, window, tip)
 
-    def _steps(self, commands: Recording, drive: Drive) -> tuple[float, int]:
+    def _steps(self, commands: Recording, drive: DrivenBy) -> tuple[float, int]:
         """Length of a step [s] and steps per command."""
         period, longest = commands.period, self.stepper.laws.longest_step(self._longest)
         if drive == "controller" and self.controller is not None:
@@ -178,7 +178,7 @@ class Simulator:
         held = drive == "controller" and self.controller and self.controller.period is not None
         return period / count, count if held else 1
 
-    def _add_missing_rotors(self, q: FloatArray, period: float, drive: Drive) -> None:
+    def _add_missing_rotors(self, q: FloatArray, period: float, drive: DrivenBy) -> None:
         """So that the controller does not shake a model whose rotors are not known."""
         plant = self.stepper.plant
         plant.set_armature(self._armature)
@@ -198,7 +198,7 @@ class Simulator:
                 f"whose torque is held for {1e3 * period:.3g} ms, would shake this model",
             )
 
-    def _commands(self, commands: Recording, drive: Drive, times: FloatArray) -> list[Any]:
+    def _commands(self, commands: Recording, drive: DrivenBy, times: FloatArray) -> list[Any]:
         """Per command: desired positions and speeds, or torques, as they act."""
         drives = [self.stepper.drive_of(k) for k in range(len(self.joints))]
 
@@ -236,7 +236,7 @@ class Simulator:
         last: int,
         hold: int,
         ticks: list[Any],
-        drive: Drive,
+        drive: DrivenBy,
         leash: Leash | None = None,
     ) -> Segment:
         """Steps from number `first` up to `last`, or to where a joint has strayed."""
@@ -290,7 +290,7 @@ class Simulator:
         self,
         commands: Recording,
         segments: list[Segment],
-        drive: Drive,
+        drive: DrivenBy,
         window: float | None,
         tip: bool | None,
     ) -> Recording:

@@ -13,6 +13,52 @@ recorded commands. Bases are fixed.
         print(finding.statement)
 """
 
+from .base_at_rest import check_base_at_rest
+from .candidates import Knob, baseline, model_with, terms_of
+from .climb import Climb
 from .compare import Comparison, compare
+from .differences import differences_of, in_bands
+from .experiment import Experiment, simulated
+from .explain import Explained, explain
+from .findings import Step, place_of, step_of
+from .pairing import at_times_of, pairs_of
+from .parameters import parameters_of
+from .patch import patched
+from .property import EVERY
+from .scales import scales_of
+from .user_model import UserModel, description_of, simulator_of, user_model
+from .words import finding_line, headline
+from .write import write
 
-__all__ = ["Comparison", "compare"]
+__all__ = [
+    "EVERY",
+    "Climb",
+    "Comparison",
+    "Experiment",
+    "Explained",
+    "Knob",
+    "Step",
+    "UserModel",
+    "at_times_of",
+    "baseline",
+    "check_base_at_rest",
+    "compare",
+    "description_of",
+    "differences_of",
+    "explain",
+    "finding_line",
+    "headline",
+    "in_bands",
+    "model_with",
+    "pairs_of",
+    "parameters_of",
+    "patched",
+    "place_of",
+    "scales_of",
+    "simulated",
+    "simulator_of",
+    "step_of",
+    "terms_of",
+    "user_model",
+    "write",
+]

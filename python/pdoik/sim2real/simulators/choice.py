@@ -10,8 +10,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..identify.model import Model
-from ..thresholds.simulators import SimulatorThresholds
+from ..identify import Model
+from ..thresholds import SimulatorThresholds
 from .candidates import Term, baseline
 from .climb import Climb, hypothesis, linearised
 from .drive_words import UNLIMITED

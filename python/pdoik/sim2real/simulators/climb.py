@@ -13,13 +13,10 @@ from numpy.typing import NDArray
 
 from pdoik.recordings import FloatArray
 
-from ..identify.hypothesis import Hypothesis
-from ..identify.linearisation import Linearisation, Series
-from ..identify.model import Model
-from ..motion.place import Place
-from ..regression.fit import Term
-from ..regression.repeats import repeats
-from ..simulation.stepper import SimulationError
+from ..identify import Hypothesis, Linearisation, Model, Series
+from ..motion import Place
+from ..regression import Term, repeats
+from ..simulation import SimulationError
 from .candidates import Knob
 from .experiment import Experiment
 from .parameters import Parameter

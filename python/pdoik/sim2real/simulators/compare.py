@@ -12,10 +12,8 @@ from threadpoolctl import threadpool_limits
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray, Recording
 
-from ..simulation.stepper import SimulationError
-from ..study.read_study import load_study
-from ..study.split import split
-from ..study.study import Study
+from ..simulation import SimulationError
+from ..study import Study, load_study, split
 from .base_at_rest import check_base_at_rest
 from .commands import check_commands
 from .differences import Difference, differences_of

@@ -21,7 +21,7 @@ from scipy.signal import lfilter
 from pdoik.descriptions import quiet_mujoco
 from pdoik.recordings import FloatArray, Recording
 
-from ..simulation.segments import measured_state
+from ..simulation import measured_state
 from .candidates import Values, delays_with, filters_with, model_with
 from .commands import check_commands, fed_forward, mean_over
 from .sampled import Sampled

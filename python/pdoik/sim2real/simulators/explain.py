@@ -13,8 +13,8 @@ from scipy.stats import t as student
 from pdoik.recordings import FloatArray, Recording
 
 from ..findings import Estimate
-from ..simulation.stepper import SimulationError
-from ..thresholds.simulators import SimulatorThresholds
+from ..simulation import SimulationError
+from ..thresholds import SimulatorThresholds
 from .candidates import Knob, Term, Values, baseline, terms_of
 from .choice import Choice, Rival, is_ordinary
 from .climb import Climb, Mask

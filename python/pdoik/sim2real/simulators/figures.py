@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 
 from pdoik.recordings import FloatArray
 
-from ..report.style import AFTER, BEFORE, MEASURED, Picture, picture, short
-from ..report.words import number
+from ..report import AFTER, BEFORE, MEASURED, Picture, number, picture, short
 from .compare import Trace
 from .differences import BANDS, in_bands
 

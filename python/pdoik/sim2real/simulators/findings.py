@@ -10,7 +10,7 @@ from scipy.stats import t as student
 from pdoik.recordings import FloatArray
 
 from ..findings import Equivalent, Evidence, Finding, JointFit, Verdict
-from ..thresholds.simulators import SimulatorThresholds
+from ..thresholds import SimulatorThresholds
 from .candidates import Knob, Term, baseline, model_with
 from .explain import Explained
 from .property import EVERY

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..simulation.stepper import SimulationError
-from ..thresholds.simulators import SimulatorThresholds
+from ..simulation import SimulationError
+from ..thresholds import SimulatorThresholds
 from .experiment import Experiment
 from .stability import advice
 

@@ -16,7 +16,7 @@ from scipy.signal import fftconvolve
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray, Recording
 
-from ..thresholds.simulators import SimulatorThresholds
+from ..thresholds import SimulatorThresholds
 from .clocks import clocks_of, rate_between
 
 _MOST_LAGS = 200_000

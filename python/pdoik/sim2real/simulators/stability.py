@@ -6,7 +6,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..simulation.stepper import SimulationError
+from ..simulation import SimulationError
 from .user_model import UserModel
 
 _FASTEST = 1e4  # [rad/s]

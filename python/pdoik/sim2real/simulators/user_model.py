@@ -13,10 +13,8 @@ import numpy as np
 from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 
-from ..simulation.description import read_description
-from ..simulation.mjcf import mjcf_text, movable_joints
-from ..simulation.plant import build_plant
-from ..study.study import Controller, Study
+from ..simulation import build_plant, mjcf_text, movable_joints, read_description
+from ..study import Controller, Study
 
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _NO_BIAS = int(mujoco.mjtBias.mjBIAS_NONE)

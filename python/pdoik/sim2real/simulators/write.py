@@ -12,8 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from pdoik._files import write_whole
 
-from ..report.style import Picture, house_style
-from ..report.words import number
+from ..report import Picture, house_style, number
 from .compare import Comparison
 from .differences import BANDS
 from .figures import overlay

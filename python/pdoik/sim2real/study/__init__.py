@@ -5,3 +5,41 @@ SI units, parted into those to fit and those held out, with a `Setup` for each t
 otherwise (what it held, gains, the day); or a `LoadError` that says what was expected.
 Next: motion.
 """
+
+from .controller import GAINS, Controller, ToldController, VoltageDrive
+from .controller_key import told_controller
+from .excerpts import excerpted
+from .floating_base import FloatingBase, Foot, Ground
+from .key_tables import reference
+from .keys import read_part, trust_from
+from .payload import Payload
+from .rates import ROWS, highest_cutoff
+from .read_study import load_study
+from .reading_key import reading_of_study
+from .split import part, split
+from .study import Setup, Study, Trust
+
+__all__ = [
+    "GAINS",
+    "ROWS",
+    "Controller",
+    "FloatingBase",
+    "Foot",
+    "Ground",
+    "Payload",
+    "Setup",
+    "Study",
+    "ToldController",
+    "Trust",
+    "VoltageDrive",
+    "excerpted",
+    "highest_cutoff",
+    "load_study",
+    "part",
+    "read_part",
+    "reading_of_study",
+    "reference",
+    "split",
+    "told_controller",
+    "trust_from",
+]

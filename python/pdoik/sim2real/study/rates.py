@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..thresholds.noise import NoiseThresholds
+from ..thresholds import NoiseThresholds
 
 ROWS = 3.0
 """Of a balance, for each period of its cut-off."""

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from threadpoolctl import threadpool_limits
 
 from ..diagnose import Tell, made_ready
-from ..infer.verdict import source_in_words
-from ..study.read_study import load_study
-from ..study.study import Study
+from ..infer import source_in_words
+from ..study import Study, load_study
 from ..thresholds import Thresholds
 from .joints import JointCheck, joint_checks
 from .recordings import RecordingCheck, recording_check

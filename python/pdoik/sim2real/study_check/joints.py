@@ -11,8 +11,7 @@ import numpy as np
 from pdoik.descriptions import robot_facts
 from pdoik.recordings import FloatArray
 
-from ..motion.motion import Motion
-from ..motion.prepare import Prepared
+from ..motion import Motion, Prepared
 
 _PEAK = 0.999  # quantile that stands for the greatest, so that one row does not
 _STANDS = 0.3  # at rest for so long is a pose that it stands in [s]

@@ -15,14 +15,8 @@ import numpy as np
 from pdoik.recordings import Recording
 
 from ..effects import Effect
-from ..motion.balances import Balances
-from ..motion.motion import Motion, thinned
-from ..motion.place import Place, Shape
-from ..motion.prepare import Prepared, motions_of
-from ..study.controller import Controller
-from ..study.payload import Payload
-from ..study.split import part
-from ..study.study import Study
+from ..motion import Balances, Motion, Place, Prepared, Shape, motions_of, thinned
+from ..study import Controller, Payload, Study, part
 from .joints import reversals
 from .sizes import Size
 

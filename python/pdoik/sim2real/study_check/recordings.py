@@ -9,7 +9,7 @@ import numpy as np
 
 from pdoik.recordings import Recording
 
-from ..study.study import Study
+from ..study import Study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,15 +9,10 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects import Effect
-from ..effects.effect import Parameter
-from ..identify.hypothesis import peculiar
-from ..identify.model import Model
-from ..identify.predicted import Expected, all_else, expected, recorded, remainder
-from ..motion.place import Key, Place, Shape
-from ..motion.prepare import Prepared
-from ..regression.background import usual_torque
-from ..regression.fit import Term
+from ..effects import Effect, Parameter
+from ..identify import Expected, Model, all_else, expected, peculiar, recorded, remainder
+from ..motion import Key, Place, Prepared, Shape
+from ..regression import Term, usual_torque
 from .amounts import bisected
 
 _BEYOND = 1e6  # a figure at which an effect does nothing, from which it is without end

@@ -8,8 +8,7 @@ import numpy as np
 
 from ..diagnose import Tell
 from ..effects import CATALOGUE, Effect
-from ..motion.place import Place
-from ..motion.prepare import Prepared
+from ..motion import Place, Prepared
 from .missing import Missing
 from .sizes import Size, Sizes
 

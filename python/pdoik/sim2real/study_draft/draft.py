@@ -11,7 +11,7 @@ from typing import Any
 from pdoik.descriptions import robot_facts
 from pdoik.errors import LoadError
 
-from ..study.keys import read_part
+from ..study import read_part
 from .actuators import actuator_gains
 from .facts import Facts
 from .questions import guesses_of, questions_of

@@ -14,8 +14,7 @@ from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 from pdoik.recordings import SuspectedUnitError
 
-from ..study.read_study import load_study
-from ..study.study import Study
+from ..study import Study, load_study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

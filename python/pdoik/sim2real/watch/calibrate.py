@@ -11,11 +11,9 @@ from scipy import optimize, stats
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..model.healthy import CHARTS, VARIANCE, Healthy
-from ..model.model import Model
-from ..motion.cutoff import noise_of
-from ..motion.motion import thinned
-from ..thresholds.watch import WatchThresholds
+from ..model import CHARTS, VARIANCE, Healthy, Model
+from ..motion import noise_of, thinned
+from ..thresholds import WatchThresholds
 from .residuals import ResidualRows, Residuals, friction_columns, joined
 from .windows import Rows, Windows
 

@@ -12,22 +12,25 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE, Effect
-from ..effects.bodies.inertial import Payload
-from ..effects.contacts.external_contact import ExternalContact
-from ..effects.drives.torque_gain import TorqueGain
-from ..effects.friction.coulomb_friction import CoulombFriction
-from ..effects.friction.viscous_friction import ViscousFriction
-from ..identify.company import fits_beside
-from ..identify.hypothesis import Hypothesis, ordinary, peculiar
-from ..identify.linearisation import Linearisation, Series
-from ..identify.model import Model
-from ..identify.pool import Pool, Scored
-from ..identify.weighing import serious
-from ..model.predict import places_of
-from ..motion.balances import Balances
-from ..motion.motion import Motion
-from ..motion.place import Key, Place, Shape
-from ..regression.fit import Term, term_of
+from ..effects.bodies import Payload
+from ..effects.contacts import ExternalContact
+from ..effects.drives import TorqueGain
+from ..effects.friction import CoulombFriction, ViscousFriction
+from ..identify import (
+    Hypothesis,
+    Linearisation,
+    Model,
+    Pool,
+    Scored,
+    Series,
+    fits_beside,
+    ordinary,
+    peculiar,
+    serious,
+)
+from ..model import places_of
+from ..motion import Balances, Key, Motion, Place, Shape
+from ..regression import Term, term_of
 from ..thresholds import Thresholds
 from .alarm import Cause, Figure
 from .calibrate import variance_of

@@ -10,9 +10,7 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE
-from ..motion.balances import columns_of
-from ..motion.motion import Motion
-from ..motion.place import Place, Shape
+from ..motion import Motion, Place, Shape, columns_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

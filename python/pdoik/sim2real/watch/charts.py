@@ -8,8 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..model.healthy import Healthy
-from ..thresholds.watch import WatchThresholds
+from ..model import Healthy
+from ..thresholds import WatchThresholds
 from .calibrate import variance_of
 from .cusum import Cusum, threshold_for
 from .residuals import CHART_EFFECTS, ResidualRows

@@ -9,8 +9,8 @@ import numpy as np
 from pdoik.recordings import Recording
 
 from ..findings import Finding
-from ..model.model import Model
-from ..study.study import Study
+from ..model import Model
+from ..study import Study
 from .calibrate import calibrated
 
 

@@ -11,16 +11,10 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray, Recording
 
 from ..effects import CATALOGUE
-from ..effects.drives.torque_channel import OF_BOTH
-from ..effects.drives.torque_gain import TorqueGain
-from ..effects.drives.torque_offset import TorqueOffset
-from ..effects.friction.coulomb_friction import CoulombFriction
-from ..effects.friction.presliding_hysteresis import PreslidingHysteresis
-from ..model.model import Model
-from ..model.predict import body_of, places_of, torque_of, torques_along
-from ..motion.motion import Motion, motion_of
-from ..motion.place import Place
-from ..motion.signals import dilated, zero_phase
+from ..effects.drives import OF_BOTH, TorqueGain, TorqueOffset
+from ..effects.friction import CoulombFriction, PreslidingHysteresis
+from ..model import Model, body_of, places_of, torque_of, torques_along
+from ..motion import Motion, Place, dilated, motion_of, zero_phase
 from .changes import Change, torque_of_changes
 from .windows import Window, kept_every
 

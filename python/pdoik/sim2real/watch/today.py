@@ -6,11 +6,10 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ..effects.friction.coulomb_friction import CoulombFriction
-from ..effects.friction.viscous_friction import ViscousFriction
-from ..model.healthy import Healthy
-from ..motion.place import Place
-from ..thresholds.watch import WatchThresholds
+from ..effects.friction import CoulombFriction, ViscousFriction
+from ..model import Healthy
+from ..motion import Place
+from ..thresholds import WatchThresholds
 from .calibrate import variance_of
 from .changes import Change
 from .residuals import AT_MOST, ResidualRows, friction_columns

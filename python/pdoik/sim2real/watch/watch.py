@@ -9,7 +9,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..model.model import Model
+from ..model import Model
 from ..thresholds import Thresholds
 from .alarm import Alarm
 from .calibrate import rows_of

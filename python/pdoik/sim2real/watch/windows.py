@@ -12,7 +12,7 @@ import numpy as np
 
 from pdoik.recordings import GAP, FloatArray, Recording, glitches, on_grid, uniform_grid
 
-from ..motion.motion import thinned
+from ..motion import thinned
 
 NAME = "watched"
 """Every window's name as a recording."""

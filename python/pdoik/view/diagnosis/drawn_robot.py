@@ -19,7 +19,7 @@ import pdoik
 from pdoik._addresses import Packages
 from pdoik.descriptions import UrdfJoint, pose_of, tree_of, urdf_file, urdf_joints
 from pdoik.errors import PdoikError
-from pdoik.sim2real.model.model import Model
+from pdoik.sim2real.model import Model
 
 from ..body import segment_mesh
 from ..drawing.hull_bodies import hull_bodies

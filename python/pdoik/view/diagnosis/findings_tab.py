@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import viser
 
-from pdoik.sim2real.findings import Diagnosis, Finding
-from pdoik.sim2real.report.words import effect_name, estimate_numbers, parameters_of, percent, place
+from pdoik.sim2real import Diagnosis, Finding
+from pdoik.sim2real.report import effect_name, estimate_numbers, parameters_of, percent, place
 
 NONE = "Nothing was found."
 

@@ -7,8 +7,8 @@ from html import escape
 import numpy as np
 import viser
 
-from pdoik.sim2real.evidence.motions import Motions
-from pdoik.sim2real.report.words import number
+from pdoik.sim2real.evidence import Motions
+from pdoik.sim2real.report import number
 
 from .timeline import Timeline
 

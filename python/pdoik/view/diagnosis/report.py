@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.evidence.motions import FILE_NAME, Motions
-from pdoik.sim2real.findings import Diagnosis
-from pdoik.sim2real.model.model import Model
+from pdoik.sim2real import Diagnosis
+from pdoik.sim2real.evidence import FILE_NAME, Motions
+from pdoik.sim2real.model import Model
 
 DIAGNOSIS = "diagnosis.json"
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import viser
 from viser import uplot
 
-from pdoik.sim2real.evidence.motions import Motions
+from pdoik.sim2real.evidence import Motions
 
 from .timeline import Timeline
 

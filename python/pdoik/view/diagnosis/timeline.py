@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from pdoik.sim2real.evidence.motions import Motion
+from pdoik.sim2real.evidence import Motion
 
 from .colors import moving_rms
 

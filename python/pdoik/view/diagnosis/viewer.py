@@ -18,9 +18,8 @@ import viser
 from pdoik._addresses import Packages
 from pdoik.errors import PdoikError
 from pdoik.sim2real import load_study
-from pdoik.sim2real.evidence.motions import Motions
-from pdoik.sim2real.evidence.replays import replay_of
-from pdoik.sim2real.report.words import VERDICTS, number
+from pdoik.sim2real.evidence import Motions, replay_of
+from pdoik.sim2real.report import VERDICTS, number
 
 from ..camera import FittedCamera
 from ..drawing.shapes import pose_of

@@ -27,9 +27,7 @@ from bench.sim2real.machines.simulate import torque_of  # noqa: E402
 from bench.sim2real.machines.variants import VARIANTS  # noqa: E402
 from bench.sim2real.machines.worlds import World  # noqa: E402
 from pdoik.sim2real import Diagnosis, diagnose  # noqa: E402
-from pdoik.sim2real.identify.hypothesis import Hypothesis  # noqa: E402
-from pdoik.sim2real.identify.model import Model  # noqa: E402
-from pdoik.sim2real.identify.posterior import Posterior  # noqa: E402
+from pdoik.sim2real.identify import Hypothesis, Model, Posterior  # noqa: E402
 from pdoik.sim2real.thresholds import Thresholds  # noqa: E402
 from sim2real_evidence_rows import add, believed, data_of, term  # noqa: E402
 

@@ -36,7 +36,7 @@ from bench.sim2real.proof.real_machine import Machine, write_study
 from bench.sim2real.proof.real_report import report, totals_table
 from bench.sim2real.proof.real_studies import MACHINES
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 
 BESIDE = Path(__file__).resolve().parents[5] / "shared"
 RECORDINGS = Path(os.environ.get("PDOIK_SHARED", BESIDE)) / "recordings"

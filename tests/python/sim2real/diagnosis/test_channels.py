@@ -9,13 +9,12 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import prepare
-from pdoik.sim2real.channels.check_channels import check_channels
-from pdoik.sim2real.channels.factors_by_model import factors_by_model
+from pdoik.sim2real.channels import check_channels, factors_by_model
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify.figures import estimates
-from pdoik.sim2real.infer.figures import at_bound
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.fit import Fit, term_of
+from pdoik.sim2real.identify import estimates
+from pdoik.sim2real.infer import at_bound
+from pdoik.sim2real.motion import Place
+from pdoik.sim2real.regression import Fit, term_of
 from sim2real_channels import study
 
 

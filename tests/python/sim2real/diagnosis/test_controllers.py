@@ -26,13 +26,10 @@ from pdoik.sim2real import (
     load_study,
     model_of,
 )
-from pdoik.sim2real.controllers.check_controllers import check_controllers
-from pdoik.sim2real.controllers.estimate import joint_law
-from pdoik.sim2real.controllers.feeds import Feeds
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.study.controller import Controller, ToldController
-from pdoik.sim2real.study.study import Study
-from pdoik.sim2real.thresholds.controllers import ControllerThresholds
+from pdoik.sim2real.controllers import Feeds, check_controllers, joint_law
+from pdoik.sim2real.motion import prepare
+from pdoik.sim2real.study import Controller, Study, ToldController
+from pdoik.sim2real.thresholds import ControllerThresholds
 from sim2real_controlled import Cascade, Law, Pid, Table, run, swing
 
 PENDULUM = """<robot name="pendulum"><link name="base"/><link name="arm"><inertial>

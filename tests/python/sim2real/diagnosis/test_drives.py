@@ -17,13 +17,20 @@ from bench.sim2real.machines import build
 from bench.sim2real.machines.plan import WorldSpec
 from pdoik.recordings import Recording
 from pdoik.sim2real import Diagnosis, Finding, diagnose, load_study
-from pdoik.sim2real.controllers.cut_off import CutOff, cut_off, gained_by
-from pdoik.sim2real.controllers.feeds import Feeds
-from pdoik.sim2real.controllers.lateness import Late, later_ones
-from pdoik.sim2real.controllers.linear_law import Strip, law_of, strips_of
-from pdoik.sim2real.controllers.rows import pieces_of
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.thresholds.controllers import ControllerThresholds
+from pdoik.sim2real.controllers import (
+    CutOff,
+    Feeds,
+    Late,
+    Strip,
+    cut_off,
+    gained_by,
+    later_ones,
+    law_of,
+    pieces_of,
+    strips_of,
+)
+from pdoik.sim2real.motion import prepare
+from pdoik.sim2real.thresholds import ControllerThresholds
 from sim2real_controlled import Cascade, Law, Pid, run
 
 LIMITS = ControllerThresholds()

@@ -18,9 +18,9 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
 from pdoik.sim2real import Finding, diagnose
-from pdoik.sim2real.channels.check_channels import check_channels
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.channels import check_channels
+from pdoik.sim2real.motion import prepare
+from pdoik.sim2real.study import load_study
 
 HIDDEN = [(7205, "random3", "dq"), (7206, "random6", "tau")]
 

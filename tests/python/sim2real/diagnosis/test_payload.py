@@ -23,17 +23,13 @@ from pdoik.sim2real import (
     predict,
     prepare,
 )
-from pdoik.sim2real.confirm.rollouts import Arm
-from pdoik.sim2real.effects.sensors.sensor_gain import law_of_position
-from pdoik.sim2real.evidence.replays import replays_of
-from pdoik.sim2real.model.of_recording import held_part, simulator_in
-from pdoik.sim2real.motion.motion import motion_of
-from pdoik.sim2real.motion.rigid_body import RigidBody
-from pdoik.sim2real.simulation.control import GravityModel
-from pdoik.sim2real.simulation.inertial import Inertial
-from pdoik.sim2real.simulation.plant import build_plant
-from pdoik.sim2real.study.payload import Payload
-from pdoik.sim2real.study.study import Setup
+from pdoik.sim2real.confirm import Arm
+from pdoik.sim2real.effects.sensors import law_of_position
+from pdoik.sim2real.evidence import replays_of
+from pdoik.sim2real.model import held_part, simulator_in
+from pdoik.sim2real.motion import RigidBody, motion_of
+from pdoik.sim2real.simulation import GravityModel, Inertial, build_plant
+from pdoik.sim2real.study import Payload, Setup
 from sim2real_days import COM, JOINTS, KP, LINK, ROTORS, Run, torque, write_days
 from sim2real_motions import CUTOFF, pd, recording, write_arm
 from studies import MJCF, URDF

@@ -7,10 +7,7 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.identify.hypothesis import Hypothesis
-from pdoik.sim2real.identify.linearisation import Linearisation
-from pdoik.sim2real.identify.model import Model
-from pdoik.sim2real.identify.predicted import remainder
+from pdoik.sim2real.identify import Hypothesis, Linearisation, Model, remainder
 from sim2real_evidence_rows import TORQUES, believed, data_of, priors, stacked, term, weights
 
 

@@ -15,8 +15,7 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import WorldSpec
 from pdoik.sim2real import diagnose
-from pdoik.sim2real.motion.flat_top import FlatTop, Torques, flat_top
-from pdoik.sim2real.motion.signals import lagged, shifted
+from pdoik.sim2real.motion import FlatTop, Torques, flat_top, lagged, shifted
 
 PERIOD, LEVEL, NOISE = 0.005, 10.0, 0.05
 TIME = np.arange(0.0, 20.0, PERIOD)

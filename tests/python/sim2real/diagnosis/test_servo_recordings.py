@@ -14,10 +14,9 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real import Diagnosis, diagnose, load_study
-from pdoik.sim2real.controllers.check_controllers import check_controllers
-from pdoik.sim2real.findings import ControllerEstimate
-from pdoik.sim2real.motion.prepare import prepare
+from pdoik.sim2real import ControllerEstimate, Diagnosis, diagnose, load_study
+from pdoik.sim2real.controllers import check_controllers
+from pdoik.sim2real.motion import prepare
 
 BESIDE = Path(__file__).resolve().parents[5] / "shared"
 FOLDER = Path(os.environ.get("PDOIK_SHARED", BESIDE)) / "recordings" / "bam_xl330"

@@ -24,13 +24,11 @@ from pdoik.cli.diagnose import print_diagnosis
 from pdoik.cli.messages import out
 from pdoik.sim2real import Diagnosis, Estimate, Finding, diagnose
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.infer.figures import within_bounds
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.told_sessions import told_sessions
-from pdoik.sim2real.regression.random_effects import Spread, spread_between
-from pdoik.sim2real.report.words import changes_words, joint_state
-from pdoik.sim2real.study.study import Setup
+from pdoik.sim2real.infer import within_bounds
+from pdoik.sim2real.motion import Balances, Motion, told_sessions
+from pdoik.sim2real.regression import Spread, spread_between
+from pdoik.sim2real.report import changes_words, joint_state
+from pdoik.sim2real.study import Setup
 from sim2real_days import Run, write_days
 from sim2real_identified import figure, identified, named, ordinary_fit
 from sim2real_motions import moved

@@ -13,16 +13,13 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import Truth, WorldSpec
-from pdoik.sim2real import Diagnosis, diagnose
+from pdoik.sim2real import Diagnosis, Estimate, diagnose
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.drives.command_delay import OF_POSITION, OF_TORQUE
-from pdoik.sim2real.findings import Estimate
-from pdoik.sim2real.infer.sampling import blur, lateness, shared_by_all, widened
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.regression.fit import Fit, Term, term_of
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.effects.drives import OF_POSITION, OF_TORQUE
+from pdoik.sim2real.infer import blur, lateness, shared_by_all, widened
+from pdoik.sim2real.motion import Balances, Place, prepare
+from pdoik.sim2real.regression import Fit, Term, term_of
+from pdoik.sim2real.study import load_study
 from sim2real_motions import PERIOD, moved, pd, recording
 
 TICK = 0.002  # [s]

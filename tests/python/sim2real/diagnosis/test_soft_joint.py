@@ -12,8 +12,8 @@ pytest.importorskip("numba", reason="pip install 'pdoik[bench]'")
 from bench.sim2real.machines.build import make_study
 from bench.sim2real.machines.plan import spec_of
 from pdoik.sim2real import diagnose, load_study
-from pdoik.sim2real.channels.noisy_channels import noisy_channels
-from pdoik.sim2real.motion.prepare import prepare
+from pdoik.sim2real.channels import noisy_channels
+from pdoik.sim2real.motion import prepare
 
 SOFT, RINGING = 50112, 60024  # of an arm of three joints; a wave that shakes a UR10's shoulder
 

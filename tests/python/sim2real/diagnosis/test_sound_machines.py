@@ -19,13 +19,10 @@ from bench.sim2real.machines.background import in_background
 from bench.sim2real.machines.plan import WorldSpec
 from pdoik.sim2real import diagnose, load_study
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.drives.torque_saturation import OF_REPORTED, is_cut
-from pdoik.sim2real.identify.identify import identify
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.prepare import Prepared, prepare
-from pdoik.sim2real.regression.background import background, friction_at
-from pdoik.sim2real.regression.fit import Fit, Term, term_of
+from pdoik.sim2real.effects.drives import OF_REPORTED, is_cut
+from pdoik.sim2real.identify import identify
+from pdoik.sim2real.motion import Balances, Place, Prepared, prepare
+from pdoik.sim2real.regression import Fit, Term, background, friction_at, term_of
 from sim2real_identified import named
 
 ONE_WAY = CATALOGUE["asymmetric_friction"]

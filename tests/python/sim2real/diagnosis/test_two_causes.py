@@ -11,15 +11,18 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify.figures import estimates
-from pdoik.sim2real.identify.identified import Identified
-from pdoik.sim2real.identify.identify import identify
-from pdoik.sim2real.identify.relinearised import relinearised
-from pdoik.sim2real.motion.motion_noise import ImuNoise
-from pdoik.sim2real.motion.place import Key, Place, Shape
-from pdoik.sim2real.motion.prepare import Prepared, prepare
-from pdoik.sim2real.motion.signals import derivative, zero_phase
-from pdoik.sim2real.regression.fit import Fit, term_of
+from pdoik.sim2real.identify import Identified, estimates, identify, relinearised
+from pdoik.sim2real.motion import (
+    ImuNoise,
+    Key,
+    Place,
+    Prepared,
+    Shape,
+    derivative,
+    prepare,
+    zero_phase,
+)
+from pdoik.sim2real.regression import Fit, term_of
 from sim2real_floating import Hidden, study
 from sim2real_identified import figure, named
 

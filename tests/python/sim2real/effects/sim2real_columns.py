@@ -8,9 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.motion import Motion, Place, RigidBody
 
 STEP = 1e-4  # of central differences
 

@@ -11,9 +11,8 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Study, diagnose
-from pdoik.sim2real.motion.ceiling import Ceiling, ceiling_of
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.thresholds.limits import LimitThresholds
+from pdoik.sim2real.motion import Ceiling, ceiling_of, prepare
+from pdoik.sim2real.thresholds import LimitThresholds
 from sim2real_known_causes import NOISE, rubbing, study
 
 NO_LOAD = 4.0  # [rad/s]

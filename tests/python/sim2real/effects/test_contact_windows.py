@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("pinocchio")
 
-from pdoik.sim2real.identify.contacts import Window, clearest
+from pdoik.sim2real.identify import Window, clearest
 
 
 def window(link: int, gain: float) -> Window:

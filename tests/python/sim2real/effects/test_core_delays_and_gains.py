@@ -11,9 +11,7 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.signals import derivative, shifted
+from pdoik.sim2real.motion import Motion, Place, derivative, shifted
 from sim2real_columns import STEP, added, tip_change, tips, torque, torques
 from sim2real_motions import INSIDE, PERIOD, moved, pd, wave
 

@@ -13,14 +13,11 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 import pinocchio as pin
 
+from pdoik.sim2real import Estimate
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.contacts.external_contact import ORIGIN
-from pdoik.sim2real.findings import Estimate
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.fit import Fit, term_of
-from pdoik.sim2real.regression.second_order import to_second_order
+from pdoik.sim2real.effects.contacts import ORIGIN
+from pdoik.sim2real.motion import Balances, Motion, Place
+from pdoik.sim2real.regression import Fit, term_of, to_second_order
 from sim2real_columns import STEP, added, tip_change, tips, torque, torques
 from sim2real_motions import moved
 

@@ -12,9 +12,8 @@ from scipy.integrate import solve_ivp
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.friction.presliding_hysteresis import bristle
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.effects.friction import bristle
+from pdoik.sim2real.motion import Motion, Place
 from sim2real_columns import added, torque
 from sim2real_motions import moved, wave
 

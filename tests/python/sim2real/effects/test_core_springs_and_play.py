@@ -9,10 +9,8 @@ from scipy.integrate import solve_ivp
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.recordings import FloatArray
-from pdoik.sim2real.effects.transmission.backlash import swing
-from pdoik.sim2real.effects.transmission.joint_elasticity import given_way
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.effects.transmission import given_way, swing
+from pdoik.sim2real.motion import Motion, Place
 from sim2real_columns import added, tip_change, tips, torque
 from sim2real_motions import INSIDE, PERIOD
 

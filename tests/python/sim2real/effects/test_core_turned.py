@@ -9,10 +9,7 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.motion.motion import Motion, motion_of
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.motion.rigid_body import RigidBody
-from pdoik.sim2real.motion.turned import torque_turned
+from pdoik.sim2real.motion import Motion, RigidBody, motion_of, prepare, torque_turned
 from sim2real_floating import Hidden
 from sim2real_floating import study as floating_study
 from sim2real_motions import CUTOFF, moved, recording, write_arm

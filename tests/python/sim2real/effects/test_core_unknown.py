@@ -7,10 +7,8 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.unknown import VARIABLES, hats
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.effects import CATALOGUE, VARIABLES, hats
+from pdoik.sim2real.motion import Motion, Place
 
 
 def test_hats_add_up_to_one_and_carry_any_straight_line() -> None:

@@ -15,15 +15,12 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from pdoik.cli import app
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray
-from pdoik.sim2real.effect_check import Outcome, check_effect, load_effects
-from pdoik.sim2real.effect_check.arm import Arm
+from pdoik.sim2real.effect_check import Arm, Outcome, check_effect, load_effects
 from pdoik.sim2real.effects import CATALOGUE, Effect, Example, Parameter, Site
-from pdoik.sim2real.effects.friction.stribeck_friction import StribeckFriction
-from pdoik.sim2real.effects.transmission.torque_ripple import TorqueRipple
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Columns, Place, Shape
-from pdoik.sim2real.simulation.laws import Dahl
-from pdoik.sim2real.simulation.parts import JointTorque, Part
+from pdoik.sim2real.effects.friction import StribeckFriction
+from pdoik.sim2real.effects.transmission import TorqueRipple
+from pdoik.sim2real.motion import Columns, Motion, Place, Shape
+from pdoik.sim2real.simulation import Dahl, JointTorque, Part
 
 COLUMNS, BACK, BOUNDS = "columns against simulation", "there and back", "bounds"
 NOTHING, GRADIENTS, STIFFNESS = "at zero nothing", "gradients", "stiffness of its law"

@@ -13,8 +13,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Estimate, Finding, Model, Recording, predict
-from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.unknown import VARIABLES
+from pdoik.sim2real.effects import CATALOGUE, VARIABLES
 from sim2real_robots import PENDULUM, TURNTABLE, arm_urdf, commands
 
 VARIANTS = {

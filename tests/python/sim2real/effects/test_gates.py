@@ -16,16 +16,11 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import Truth, WorldSpec
-from pdoik.sim2real import Diagnosis, Finding, diagnose
-from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.simulated import not_simulated, parts_of_finding
-from pdoik.sim2real.findings import Estimate
-from pdoik.sim2real.motion.balances import columns_of
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Gate, Place
-from pdoik.sim2real.regression.naming import without_idle_gate
-from pdoik.sim2real.simulation import Simulator
-from pdoik.sim2real.simulation.parts import Part
+from pdoik.sim2real import Diagnosis, Estimate, Finding, diagnose
+from pdoik.sim2real.effects import CATALOGUE, not_simulated, parts_of_finding
+from pdoik.sim2real.motion import Gate, Motion, Place, columns_of
+from pdoik.sim2real.regression import without_idle_gate
+from pdoik.sim2real.simulation import Part, Simulator
 from sim2real_robots import ABOUT_PIVOT, TURNTABLE, commands
 
 

@@ -12,7 +12,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import diagnose
 from pdoik.sim2real.effects import CATALOGUE, parts_of
-from pdoik.sim2real.simulation.parts import HardFriction
+from pdoik.sim2real.simulation import HardFriction
 from sim2real_effect_studies import Course, named, rubbing, study
 
 

@@ -10,8 +10,7 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.prepare import prepare
+from pdoik.sim2real.motion import Place, prepare
 from sim2real_channels import study
 
 EFFECT = CATALOGUE["asymmetric_friction"]

@@ -17,9 +17,8 @@ from pdoik.cli import app
 from pdoik.recordings import FloatArray
 from pdoik.sim2real import diagnose, register
 from pdoik.sim2real.effects import CATALOGUE, Effect, Parameter, Site, parts_of_finding
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Columns, Place, Shape
-from pdoik.sim2real.simulation.parts import JointTorque, Part
+from pdoik.sim2real.motion import Columns, Motion, Place, Shape
+from pdoik.sim2real.simulation import JointTorque, Part
 from sim2real_channels import study
 
 

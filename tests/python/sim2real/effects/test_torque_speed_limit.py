@@ -17,9 +17,8 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Diagnosis, Recording, Study, diagnose
 from pdoik.sim2real.effects import CATALOGUE, parts_of
-from pdoik.sim2real.motion.falling_top import falling_top
-from pdoik.sim2real.simulation.drive import Drive, combine
-from pdoik.sim2real.simulation.parts import DriveChange
+from pdoik.sim2real.motion import falling_top
+from pdoik.sim2real.simulation import Drive, DriveChange, combine
 from sim2real_effect_studies import named
 from sim2real_recordings import even_recording
 from sim2real_robots import arm_urdf

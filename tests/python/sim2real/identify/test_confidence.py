@@ -8,9 +8,8 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real import Thresholds
-from pdoik.sim2real.findings import Support
-from pdoik.sim2real.identify.confidence import confidence_of, features
+from pdoik.sim2real import Support, Thresholds
+from pdoik.sim2real.identify import confidence_of, features
 
 CAUSE = Support(
     log_odds=40.0,

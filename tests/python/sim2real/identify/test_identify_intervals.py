@@ -11,12 +11,9 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify.figures import estimates
-from pdoik.sim2real.identify.hypothesis import peculiar
-from pdoik.sim2real.identify.posterior import Posterior
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.fit import term_of
+from pdoik.sim2real.identify import Posterior, estimates, peculiar
+from pdoik.sim2real.motion import Balances, Place
+from pdoik.sim2real.regression import term_of
 from sim2real_identified import BODIES
 from sim2real_motions import moved
 

@@ -13,12 +13,9 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Study
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify.support import as_trusted
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.regression.fit import Fit, term_of
-from pdoik.sim2real.regression.tolerances import SCALE, SPEED, ZERO, Tolerance
-from pdoik.sim2real.regression.trusted_bodies import TRUST, trusted
+from pdoik.sim2real.identify import as_trusted
+from pdoik.sim2real.motion import Place, prepare
+from pdoik.sim2real.regression import SCALE, SPEED, TRUST, ZERO, Fit, Tolerance, term_of, trusted
 from sim2real_known_causes import NOISE, rubbing, several, study, told
 
 Change = Callable[[np.ndarray], np.ndarray]

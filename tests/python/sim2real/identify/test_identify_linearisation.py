@@ -10,7 +10,7 @@ from scipy import signal
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.identify.linearisation import Series
+from pdoik.sim2real.identify import Series
 
 LEAST = 1.5
 

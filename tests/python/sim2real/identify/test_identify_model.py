@@ -10,10 +10,8 @@ from scipy import optimize
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.identify.hypothesis import Hypothesis, ordinary
-from pdoik.sim2real.identify.linearisation import Linearisation, Series
-from pdoik.sim2real.identify.model import Model
-from pdoik.sim2real.motion.place import Place
+from pdoik.sim2real.identify import Hypothesis, Linearisation, Model, Series, ordinary
+from pdoik.sim2real.motion import Place
 from sim2real_evidence_rows import (
     STUDY,
     TORQUES,

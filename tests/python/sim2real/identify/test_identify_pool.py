@@ -13,15 +13,17 @@ from scipy import signal
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify.flexible import count_independent
-from pdoik.sim2real.identify.hypothesis import Hypothesis, ordinary, peculiar
-from pdoik.sim2real.identify.linearisation import Linearisation
-from pdoik.sim2real.identify.model import Model
-from pdoik.sim2real.identify.pool import Pool
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.motion import Motion
-from pdoik.sim2real.motion.place import Gate, Place
-from pdoik.sim2real.regression.fit import Term, term_of
+from pdoik.sim2real.identify import (
+    Hypothesis,
+    Linearisation,
+    Model,
+    Pool,
+    count_independent,
+    ordinary,
+    peculiar,
+)
+from pdoik.sim2real.motion import Balances, Gate, Motion, Place
+from pdoik.sim2real.regression import Term, term_of
 from sim2real_evidence_rows import TORQUES, add, believed, data_of, log_likelihood, term, weights
 from sim2real_motions import moved
 

@@ -12,14 +12,9 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify.hypothesis import Hypothesis, peculiar
-from pdoik.sim2real.identify.pool import Pool
-from pdoik.sim2real.identify.posterior import Posterior
-from pdoik.sim2real.identify.weighing import State
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.place import Gate, Place
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.regression.fit import TermKey, term_of
+from pdoik.sim2real.identify import Hypothesis, Pool, Posterior, State, peculiar
+from pdoik.sim2real.motion import Balances, Gate, Place, prepare
+from pdoik.sim2real.regression import TermKey, term_of
 from sim2real_known_causes import RIGHT, RUBS, SEVERAL, few_steps, several, study
 
 

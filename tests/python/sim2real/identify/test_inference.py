@@ -17,22 +17,13 @@ from bench.sim2real.concealed.spec import WorldSpec
 from pdoik.recordings import FloatArray, Recording
 from pdoik.sim2real import Diagnosis, Estimate, Finding, Study, diagnose, load_study
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.contacts.external_contact import ExternalContact
-from pdoik.sim2real.effects.drives.torque_channel import OF_BOTH, OF_DRIVE, OF_REPORT
-from pdoik.sim2real.identify.figures import estimates
-from pdoik.sim2real.identify.support import held_out_support
-from pdoik.sim2real.infer.changing_friction import spreads_of
-from pdoik.sim2real.infer.event_support import event_support
-from pdoik.sim2real.infer.torque_scale import with_torque_scale
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.motion import Motion, motion_of
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.rigid_body import RigidBody
-from pdoik.sim2real.regression.background import background
-from pdoik.sim2real.regression.fit import Fit, Term, term_of
-from pdoik.sim2real.regression.refine import refined
-from pdoik.sim2real.regression.trusted_bodies import DAYS
-from pdoik.sim2real.study.study import Trust
+from pdoik.sim2real.effects.contacts import ExternalContact
+from pdoik.sim2real.effects.drives import OF_BOTH, OF_DRIVE, OF_REPORT
+from pdoik.sim2real.identify import estimates, held_out_support
+from pdoik.sim2real.infer import event_support, spreads_of, with_torque_scale
+from pdoik.sim2real.motion import Balances, Motion, Place, RigidBody, motion_of
+from pdoik.sim2real.regression import DAYS, Fit, Term, background, refined, term_of
+from pdoik.sim2real.study import Trust
 from pdoik.sim2real.thresholds import Thresholds
 from sim2real_channels import study as small_study
 from sim2real_identified import figure, identified, named, ordinary_fit

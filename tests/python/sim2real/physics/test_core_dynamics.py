@@ -16,7 +16,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 import mujoco
 
 import pdoik
-from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.motion import RigidBody
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"
 PANDA = ROBOTS / "panda.urdf", tuple(f"panda_joint{k}" for k in (3, 1, 7, 4, 2, 6, 5))

@@ -9,8 +9,7 @@ import pytest
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.motion.motion import Motion, motion_of
-from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.motion import Motion, RigidBody, motion_of
 from sim2real_motions import CUTOFF, INSIDE, moved, pd, recording, wave, write_arm
 
 

@@ -11,9 +11,8 @@ from scipy import optimize
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.fit import Fit, Term
-from pdoik.sim2real.regression.one_more import OneMore
+from pdoik.sim2real.motion import Place
+from pdoik.sim2real.regression import Fit, OneMore, Term
 from pdoik.sim2real.thresholds import Thresholds
 
 KEYS = (("torque", 0), ("torque", 1), ("drive", 1))

@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from pdoik.sim2real.motion.signals import (
-    derivative,
-    dilated,
-    lagged,
-    noise_density,
-    shifted,
-    zero_phase,
-)
+from pdoik.sim2real.motion import derivative, dilated, lagged, noise_density, shifted, zero_phase
 
 PERIOD = 0.004
 TIME = PERIOD * np.arange(5001)

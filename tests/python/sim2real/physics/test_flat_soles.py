@@ -14,8 +14,7 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from bench.sim2real.legged.build import make_study
 from bench.sim2real.legged.spec import Spec
 from pdoik.sim2real import load_study
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.motion.signals import zero_phase
+from pdoik.sim2real.motion import prepare, zero_phase
 
 INSIDE = slice(100, -100)
 PITCHES = (2, 3, 4)  # hip, knee and ankle of a leg; hips that roll and yaw hardly move here

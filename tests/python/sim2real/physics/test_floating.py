@@ -12,11 +12,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.free_rows import directions_of
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.prepare import prepare
-from pdoik.sim2real.study.study import Setup, Study
+from pdoik.sim2real.motion import Balances, Place, directions_of, prepare
+from pdoik.sim2real.study import Setup, Study
 from sim2real_floating import FEET, JOINTS, Hidden, recording, study
 
 QUIET = 1e-6

@@ -14,12 +14,10 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 import pinocchio as pin
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.effects.bodies.inertial import LinkInertials
-from pdoik.sim2real.motion.balances import Balances
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.regression.fit import Fit, term_of
-from pdoik.sim2real.regression.real_bodies import nearest, with_real_bodies
-from pdoik.sim2real.simulation.inertial import Inertial
+from pdoik.sim2real.effects.bodies import LinkInertials
+from pdoik.sim2real.motion import Balances, Place
+from pdoik.sim2real.regression import Fit, nearest, term_of, with_real_bodies
+from pdoik.sim2real.simulation import Inertial
 from sim2real_motions import moved
 
 

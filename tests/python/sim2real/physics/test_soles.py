@@ -16,11 +16,14 @@ from bench.sim2real.legged import build  # noqa: E402
 from bench.sim2real.legged.spec import Spec  # noqa: E402
 from pdoik.sim2real import load_study  # noqa: E402
 from pdoik.sim2real.effects import CATALOGUE  # noqa: E402
-from pdoik.sim2real.motion.foot_forces import with_ground  # noqa: E402
-from pdoik.sim2real.motion.motion import Motion  # noqa: E402
-from pdoik.sim2real.motion.place import Place  # noqa: E402
-from pdoik.sim2real.motion.prepare import Prepared, prepare  # noqa: E402
-from pdoik.sim2real.regression.fit import Fit, term_of  # noqa: E402
+from pdoik.sim2real.motion import (  # noqa: E402
+    Motion,
+    Place,
+    Prepared,
+    prepare,
+    with_ground,
+)
+from pdoik.sim2real.regression import Fit, term_of  # noqa: E402
 
 INNER = slice(200, -200, 150)  # samples that are looked at
 

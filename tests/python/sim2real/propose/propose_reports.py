@@ -9,7 +9,7 @@ import pandas as pd
 import yaml
 
 from pdoik.sim2real import Diagnosis, Equivalent, Estimate, Finding, Model, load_study
-from pdoik.sim2real.motion.rigid_body import RigidBody
+from pdoik.sim2real.motion import RigidBody
 from studies import JOINTS, URDF
 
 LEVEL = 1.5  # of the elbow's friction [N m]

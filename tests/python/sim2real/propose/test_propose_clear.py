@@ -12,12 +12,19 @@ import pinocchio as pin
 import pytest
 
 import pdoik
-from pdoik.sim2real.propose import Proposal, Wishes, propose
-from pdoik.sim2real.propose.clear import Clear
-from pdoik.sim2real.propose.excitation import Frame, motion_of, random_recipe
-from pdoik.sim2real.propose.limits import Limits
-from pdoik.sim2real.propose.path import STEP, path_of
-from pdoik.sim2real.propose.path import Path as Motion
+from pdoik.sim2real.propose import (
+    STEP,
+    Clear,
+    Frame,
+    Limits,
+    Proposal,
+    Wishes,
+    motion_of,
+    path_of,
+    propose,
+    random_recipe,
+)
+from pdoik.sim2real.propose import Path as Motion
 from propose_reports import friction, write_report, write_study
 from studies import JOINTS
 

@@ -15,7 +15,7 @@ import yaml
 from pdoik.recordings import Recording
 from pdoik.sim2real import Diagnosis, Model, load_study
 from pdoik.sim2real.propose import NothingToSettleError, Proposal, Wishes, propose
-from pdoik.sim2real.study.study import Setup, Study
+from pdoik.sim2real.study import Setup, Study
 from propose_reports import one_way, write_report
 from propose_reports import write_study as write_arm_study
 from sim2real_floating import FEET, JOINTS, LEGS, Hidden, floating, recording, urdf, written

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from pdoik.recordings import FloatArray
-from pdoik.sim2real.findings import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit
-from pdoik.sim2real.report.data import CutoffInfluence, Hypothesis, Replay, ReportData, Traces
+from pdoik.sim2real import Diagnosis, Equivalent, Estimate, Evidence, Finding, JointFit
+from pdoik.sim2real.report import CutoffInfluence, Hypothesis, Replay, ReportData, Traces
 
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1")
 NOISE = np.array([0.35, 0.40, 0.22, 0.06])  # [N m]

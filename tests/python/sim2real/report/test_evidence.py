@@ -26,8 +26,8 @@ from pdoik.sim2real import (
     predict,
     write,
 )
-from pdoik.sim2real.regression.trusted_bodies import TRUST
-from pdoik.sim2real.report.data import ReportData
+from pdoik.sim2real.regression import TRUST
+from pdoik.sim2real.report import ReportData
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +129,7 @@ def test_quick_leaves_out_what_takes_long(examination: Any) -> None:
 def test_without_a_known_controller_recorded_torque_drives_the_replay(
     examination: Any,
 ) -> None:
-    from pdoik.sim2real.evidence.replays import replays_of
+    from pdoik.sim2real.evidence import replays_of
 
     study = replace(examination.prepared.study, controller=None)
     blind = replace(examination, prepared=replace(examination.prepared, study=study))
@@ -155,7 +155,7 @@ def test_the_files_hold_the_findings(examination: Any, tmp_path: Path) -> None:
 def test_what_fails_takes_nothing_along(
     examination: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from pdoik.sim2real.evidence import files
+    from pdoik.sim2real.evidence import files  # inside: writers are made to fail
 
     def fails(*args: Any, **options: Any) -> Any:
         raise RuntimeError("no body has mass -340 kg")

@@ -9,7 +9,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.cli.diagnose import print_diagnosis
 from pdoik.sim2real import Diagnosis, Equivalent, Estimate, Finding, JointFit, Residue
-from pdoik.sim2real.report.matrix import matrix_of
+from pdoik.sim2real.report import matrix_of
 
 JOINTS = tuple(f"joint{k}" for k in range(1, 13))
 

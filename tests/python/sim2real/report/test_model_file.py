@@ -15,14 +15,18 @@ mujoco = pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 import pdoik  # noqa: E402
 from pdoik.errors import LoadError  # noqa: E402
 from pdoik.recordings import Recording  # noqa: E402
+from pdoik.sim2real import Estimate, Finding  # noqa: E402
 from pdoik.sim2real.effects import CATALOGUE  # noqa: E402
-from pdoik.sim2real.export.export import export_mjcf, export_urdf, write_exports  # noqa: E402
-from pdoik.sim2real.findings import Estimate, Finding  # noqa: E402
-from pdoik.sim2real.model.model import Model, load_model, replay, robot_text  # noqa: E402
-from pdoik.sim2real.model.predict import predict  # noqa: E402
-from pdoik.sim2real.simulation import Stepper  # noqa: E402
-from pdoik.sim2real.simulation.inertial import Inertial  # noqa: E402
-from pdoik.sim2real.study.study import Study  # noqa: E402
+from pdoik.sim2real.export import export_mjcf, export_urdf, write_exports  # noqa: E402
+from pdoik.sim2real.model import (  # noqa: E402
+    Model,
+    load_model,
+    predict,
+    replay,
+    robot_text,
+)
+from pdoik.sim2real.simulation import Inertial, Stepper  # noqa: E402
+from pdoik.sim2real.study import Study  # noqa: E402
 from sim2real_robots import MJCF, PENDULUM, arm_urdf, commands, pd  # noqa: E402
 
 PANDA = Path(pdoik.__file__).parent / "robots" / "panda.urdf"
@@ -299,7 +303,7 @@ def test_of_friction_that_builds_up_the_files_have_the_level() -> None:
 @pytest.mark.parametrize("seed", range(30))
 def test_the_improved_model_loads_whatever_was_found(seed: int) -> None:
     pytest.importorskip("pinocchio", reason="needs the Python package pin")
-    from pdoik.sim2real.export.checked import improved_mjcf, improved_urdf
+    from pdoik.sim2real.export import improved_mjcf, improved_urdf
 
     rng = np.random.default_rng(seed)
     links = tuple(f"panda_link{k}" for k in range(1, 8))

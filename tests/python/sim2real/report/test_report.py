@@ -14,17 +14,26 @@ from PIL import Image
 
 pytest.importorskip("jinja2", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.evidence.files import write_files
-from pdoik.sim2real.findings import Diagnosis, Estimate, JointFit
-from pdoik.sim2real.report import cloud_size, draw_pictures, render_report, words
-from pdoik.sim2real.report.curves import binned, busiest, envelope, reach
-from pdoik.sim2real.report.data import RegimeMap, ReportData
-from pdoik.sim2real.report.drive_figure import drives_picture
-from pdoik.sim2real.report.joint_figure import joint_picture
-from pdoik.sim2real.report.page import Pictures
-from pdoik.sim2real.report.page import page as html
-from pdoik.sim2real.report.regimes import regime_map
-from pdoik.sim2real.report.style import house_style
+from pdoik.sim2real import Diagnosis, Estimate, JointFit
+from pdoik.sim2real.evidence import write_files
+from pdoik.sim2real.report import (
+    Pictures,
+    RegimeMap,
+    ReportData,
+    binned,
+    busiest,
+    cloud_size,
+    draw_pictures,
+    drives_picture,
+    envelope,
+    house_style,
+    joint_picture,
+    reach,
+    regime_map,
+    render_report,
+    words,  # inside: a page is held against its words
+)
+from pdoik.sim2real.report import page as html
 from report_samples import JOINTS, diagnosis, evidence, traces
 
 LARGEST = 8e6  # bytes of a page

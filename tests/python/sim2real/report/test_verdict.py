@@ -12,9 +12,8 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Diagnosis, Finding, JointFit, Residue, prepare
-from pdoik.sim2real.infer.residue import residue_of
-from pdoik.sim2real.infer.verdict import verdict_of
-from pdoik.sim2real.report.words import residue_words
+from pdoik.sim2real.infer import residue_of, verdict_of
+from pdoik.sim2real.report import residue_words
 from sim2real_channels import study
 
 

@@ -13,15 +13,17 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from bench.sim2real.concealed.build import make_study
 from bench.sim2real.concealed.spec import Truth, WorldSpec
 from pdoik.sim2real import diagnose, load_study
-from pdoik.sim2real.confirm.confirm_by_simulation import confirmed_by_simulation
-from pdoik.sim2real.confirm.refine_by_rollouts import refine_by_rollouts
-from pdoik.sim2real.confirm.rollouts import Arm, Rollout, why_not
+from pdoik.sim2real.confirm import (
+    Arm,
+    Rollout,
+    confirmed_by_simulation,
+    refine_by_rollouts,
+    why_not,
+)
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify.identify import identify
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.prepare import Prepared, prepare
-from pdoik.sim2real.regression.fit import Fit, Term, term_of
-from pdoik.sim2real.regression.refine import refined
+from pdoik.sim2real.identify import identify
+from pdoik.sim2real.motion import Place, Prepared, prepare
+from pdoik.sim2real.regression import Fit, Term, refined, term_of
 from pdoik.sim2real.simulation import SimulationError, Stepper
 
 

@@ -13,9 +13,12 @@ pinocchio = pytest.importorskip("pinocchio", reason="needs the Python package pi
 
 import pdoik  # noqa: E402
 from pdoik.recordings import Recording  # noqa: E402
-from pdoik.sim2real.effects.simulated import parts_of  # noqa: E402
-from pdoik.sim2real.simulation import Simulator, Stepper  # noqa: E402
-from pdoik.sim2real.simulation.control import GravityModel  # noqa: E402
+from pdoik.sim2real.effects import parts_of  # noqa: E402
+from pdoik.sim2real.simulation import (  # noqa: E402
+    GravityModel,
+    Simulator,
+    Stepper,
+)
 from sim2real_robots import commands, pd  # noqa: E402
 
 ROBOTS = Path(pdoik.__file__).parent / "robots"

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
-from pdoik.sim2real.effects.simulated import parts_of
+from pdoik.sim2real.effects import parts_of
 from pdoik.sim2real.simulation import Simulator, Stepper
 from sim2real_robots import ABOUT_PIVOT, LENGTH, MASS, PENDULUM, TURNTABLE, G, commands, parts, pd
 

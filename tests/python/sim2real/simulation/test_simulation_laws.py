@@ -11,10 +11,8 @@ from scipy.integrate import solve_ivp
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
 from pdoik.recordings import Recording
-from pdoik.sim2real.effects import parts_of
-from pdoik.sim2real.effects.unknown import VARIABLES, unknown_part
-from pdoik.sim2real.simulation import Simulator
-from pdoik.sim2real.simulation.parts import JointTorque, Part
+from pdoik.sim2real.effects import VARIABLES, parts_of, unknown_part
+from pdoik.sim2real.simulation import JointTorque, Part, Simulator
 from sim2real_robots import (
     ABOUT_PIVOT,
     LENGTH,

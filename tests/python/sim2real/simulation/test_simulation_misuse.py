@@ -8,9 +8,8 @@ import pytest
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.effects.simulated import parts_of
-from pdoik.sim2real.simulation import SimulationError, Simulator, Stepper
-from pdoik.sim2real.simulation.parts import JointTorque
+from pdoik.sim2real.effects import parts_of
+from pdoik.sim2real.simulation import JointTorque, SimulationError, Simulator, Stepper
 from sim2real_robots import MASS, PENDULUM, TURNTABLE, commands, pd
 
 SLACK = {"stiffness": 0.0, "damping": 0.0}

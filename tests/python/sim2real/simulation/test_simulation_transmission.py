@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 pytest.importorskip("mujoco", reason="needs the Python package mujoco")
 
-from pdoik.sim2real.effects.simulated import parts_of
+from pdoik.sim2real.effects import parts_of
 from pdoik.sim2real.simulation import Simulator
 from sim2real_robots import (
     ABOUT_PIVOT,

@@ -22,13 +22,17 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from command_line import misuse, run
 from pdoik.errors import LoadError
 from pdoik.sim2real import Recording, Thresholds, load_study
-from pdoik.sim2real.simulators.base_at_rest import check_base_at_rest
-from pdoik.sim2real.simulators.candidates import Knob
-from pdoik.sim2real.simulators.differences import differences_of, in_bands
-from pdoik.sim2real.simulators.experiment import Experiment
-from pdoik.sim2real.simulators.explain import explain
-from pdoik.sim2real.simulators.pairing import at_times_of, pairs_of
-from pdoik.sim2real.simulators.user_model import simulator_of
+from pdoik.sim2real.simulators import (
+    Experiment,
+    Knob,
+    at_times_of,
+    check_base_at_rest,
+    differences_of,
+    explain,
+    in_bands,
+    pairs_of,
+    simulator_of,
+)
 from sim2real_simulators import JOINTS, MJCF, PERIOD, log, write_csv
 
 LIMITS = Thresholds().simulators

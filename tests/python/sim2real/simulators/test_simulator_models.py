@@ -15,14 +15,22 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.errors import LoadError
 from pdoik.sim2real import Controller, SimulationError, Simulator, Study, Thresholds
-from pdoik.sim2real.simulators.candidates import Knob, baseline, model_with, terms_of
-from pdoik.sim2real.simulators.climb import Climb
-from pdoik.sim2real.simulators.experiment import Experiment, simulated
-from pdoik.sim2real.simulators.explain import explain
-from pdoik.sim2real.simulators.parameters import parameters_of
-from pdoik.sim2real.simulators.patch import patched
-from pdoik.sim2real.simulators.scales import scales_of
-from pdoik.sim2real.simulators.user_model import UserModel, description_of, user_model
+from pdoik.sim2real.simulators import (
+    Climb,
+    Experiment,
+    Knob,
+    UserModel,
+    baseline,
+    description_of,
+    explain,
+    model_with,
+    parameters_of,
+    patched,
+    scales_of,
+    simulated,
+    terms_of,
+    user_model,
+)
 from sim2real_recordings import even_recording
 from sim2real_robots import arm_urdf
 from sim2real_simulators import JOINTS, MJCF, PERIOD, commands, log, stepped

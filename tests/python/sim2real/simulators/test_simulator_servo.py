@@ -14,12 +14,19 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.recordings import Recording
 from pdoik.sim2real import Thresholds
-from pdoik.sim2real.simulators.candidates import Knob, model_with
-from pdoik.sim2real.simulators.experiment import Experiment, simulated
-from pdoik.sim2real.simulators.explain import Explained, explain
-from pdoik.sim2real.simulators.findings import Step, step_of
-from pdoik.sim2real.simulators.patch import patched
-from pdoik.sim2real.simulators.user_model import UserModel, user_model
+from pdoik.sim2real.simulators import (
+    Experiment,
+    Explained,
+    Knob,
+    Step,
+    UserModel,
+    explain,
+    model_with,
+    patched,
+    simulated,
+    step_of,
+    user_model,
+)
 from sim2real_recordings import even_recording
 
 LIMITS = Thresholds().simulators

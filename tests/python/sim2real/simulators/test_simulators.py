@@ -13,9 +13,7 @@ pytest.importorskip("mujoco", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Thresholds
-from pdoik.sim2real.simulators.explain import explain
-from pdoik.sim2real.simulators.findings import Step, step_of
-from pdoik.sim2real.simulators.user_model import UserModel, user_model
+from pdoik.sim2real.simulators import Step, UserModel, explain, step_of, user_model
 from sim2real_simulators import JOINTS, MJCF, log
 
 LIMITS = Thresholds().simulators

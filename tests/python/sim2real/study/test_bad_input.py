@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from pdoik.errors import LoadError
 from pdoik.recordings import KINDS
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, MJCF, URDF, columns, log, write_study
 
 DEGREES = 180 / np.pi

@@ -13,9 +13,8 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.errors import LoadError
 from pdoik.sim2real import Watch
-from pdoik.sim2real.model.model import Model
-from pdoik.sim2real.model.predict import predict
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.model import Model, predict
+from pdoik.sim2real.study import load_study
 from sim2real_floating import FEET, IMU_PLACE, IMU_TURN, JOINTS, RADIUS, Hidden, study, written
 
 BASE = {"feet": list(FEET)}

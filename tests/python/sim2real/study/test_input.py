@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pdoik.recordings import on_grid, uniform_grid
-from pdoik.sim2real.study.read_study import load_study
+from pdoik.sim2real.study import load_study
 from studies import JOINTS, MJCF, URDF, columns, log, motion, speed, write_study
 
 BESIDE = Path(__file__).resolve().parents[5] / "shared"

@@ -11,9 +11,7 @@ import pytest
 import yaml
 
 from pdoik.errors import LoadError
-from pdoik.sim2real.study.payload import Payload
-from pdoik.sim2real.study.read_study import load_study
-from pdoik.sim2real.study.study import Setup
+from pdoik.sim2real.study import Payload, Setup, load_study
 from studies import JOINTS, URDF, log, write_study
 
 PAYLOAD: dict[str, Any] = {"link": "tool", "mass": 2.0, "com": [0.0, 0.0, 0.05]}

@@ -15,7 +15,7 @@ pinocchio = pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real
 from pdoik.errors import LoadError  # noqa: E402
 from pdoik.sim2real import examine, prepare, write  # noqa: E402
 from pdoik.sim2real.effects import CATALOGUE  # noqa: E402
-from pdoik.sim2real.study.read_study import load_study  # noqa: E402
+from pdoik.sim2real.study import load_study  # noqa: E402
 from sim2real_channels import study  # noqa: E402
 from studies import MJCF, URDF, log, write_study  # noqa: E402
 

@@ -16,11 +16,9 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from command_line import run
 from pdoik.sim2real import CATALOGUE, Study, StudyCheck, check_study, load_study, prepare
-from pdoik.sim2real.identify.predicted import all_else, recorded, remainder
-from pdoik.sim2real.motion.place import Place
-from pdoik.sim2real.motion.rigid_body import RigidBody
-from pdoik.sim2real.motion.signals import zero_phase
-from pdoik.sim2real.regression.fit import Fit, term_of
+from pdoik.sim2real.identify import all_else, recorded, remainder
+from pdoik.sim2real.motion import Place, RigidBody, zero_phase
+from pdoik.sim2real.regression import Fit, term_of
 from sim2real_effect_studies import rubbing, study
 from sim2real_motions import write_arm
 from sim2real_recordings import even_recording

@@ -12,10 +12,8 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from command_line import run
 from pdoik.errors import LoadError
 from pdoik.recordings import Keys, units_from
-from pdoik.sim2real.study import key_tables as tables
-from pdoik.sim2real.study.controller import GAINS
-from pdoik.sim2real.study.controller_key import told_controller
-from pdoik.sim2real.study.keys import read_part, trust_from
+from pdoik.sim2real.study import GAINS, read_part, told_controller, trust_from
+from pdoik.sim2real.study import key_tables as tables  # inside: the tables are tested whole
 
 
 def example_of(table: Keys) -> dict[str, object]:

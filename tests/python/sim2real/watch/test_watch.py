@@ -15,10 +15,8 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Alarm, Model, Watch, calibrated, model_of, predict
-from pdoik.sim2real.motion.signals import zero_phase
-from pdoik.sim2real.watch.of_study import with_floor
-from pdoik.sim2real.watch.residuals import Residuals, joined
-from pdoik.sim2real.watch.windows import Rows, Windows
+from pdoik.sim2real.motion import zero_phase
+from pdoik.sim2real.watch import Residuals, Rows, Windows, joined, with_floor
 from watched import Columns, changed, log
 
 SINCE = 12.0

@@ -12,10 +12,8 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Alarm, Model, Thresholds, Watch, model_of
-from pdoik.sim2real.model.healthy import Healthy
-from pdoik.sim2real.watch import Cause
-from pdoik.sim2real.watch.residuals import ResidualRows
-from pdoik.sim2real.watch.today import FrictionToday
+from pdoik.sim2real.model import Healthy
+from pdoik.sim2real.watch import Cause, FrictionToday, ResidualRows
 from watched import Columns, changed, log
 
 SINCE = 12.0

@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
-from pdoik.sim2real.watch.cusum import Cusum, average_run_length, threshold_for
+from pdoik.sim2real.watch import Cusum, average_run_length, threshold_for
 
 
 def markov_run_length(h: float, drift: float, spread: float, states: int = 250) -> float:

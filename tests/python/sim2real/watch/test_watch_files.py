@@ -23,8 +23,7 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 from command_line import misuse, run
 from pdoik.errors import LoadError
 from pdoik.sim2real import model_of
-from pdoik.sim2real.watch.csv_stream import CsvStream
-from pdoik.sim2real.watch.tail import Folder, Tail
+from pdoik.sim2real.watch import CsvStream, Folder, Tail
 from watched import Columns, changed, log
 
 Opened = Callable[[Any], Any]

@@ -9,10 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...motion.rigid_body import STANDARD_GRAVITY
-from ...simulation.parts import GravityTilt, Part
+from ...motion import STANDARD_GRAVITY, Columns, Motion, Place, Shape
+from ...simulation import GravityTilt, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

@@ -9,11 +9,9 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.inertial import Inertial
-from ...simulation.parts import LinkChange, Part
-from ...study.payload import Payload as KnownBody
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import Inertial, LinkChange, Part
+from ...study import Payload as KnownBody
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

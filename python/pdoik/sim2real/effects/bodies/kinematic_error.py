@@ -8,10 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...motion.rigid_body import RigidBody
-from ...simulation.parts import Part, Placement
+from ...motion import Columns, Motion, Place, RigidBody, Shape
+from ...simulation import Part, Placement
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.parts import ExternalForce, Part
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import ExternalForce, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

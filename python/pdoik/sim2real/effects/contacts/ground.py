@@ -8,10 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.feet import FootMotion
-from ...motion.motion import Motion
-from ...motion.place import Balance, Columns, Place, Shape, tilt_key
-from ...thresholds.feet import FeetThresholds
+from ...motion import Balance, Columns, FootMotion, Motion, Place, Shape, tilt_key
+from ...thresholds import FeetThresholds
 from ..effect import Effect, Parameter
 
 

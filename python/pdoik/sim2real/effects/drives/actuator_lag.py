@@ -8,10 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...motion.signals import lagged
-from ...simulation.parts import DriveChange, Part
+from ...motion import Columns, Motion, Place, Shape, lagged
+from ...simulation import DriveChange, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 from .command_delay import (

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
+from ...motion import Columns, Motion, Place, Shape
 from ..effect import Effect
 
 OF_BOTH, OF_REPORT, OF_DRIVE = 0.0, 1.0, 2.0

@@ -8,9 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Place, Shape
-from ...simulation.parts import DriveChange, Part, SensorChange
+from ...motion import Motion, Place, Shape
+from ...simulation import DriveChange, Part, SensorChange
 from ..effect import Example, Parameter
 from ..site import Site
 from .torque_channel import OF_BOTH, TorqueChannel

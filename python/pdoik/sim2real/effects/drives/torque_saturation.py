@@ -8,11 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.flat_top import FlatTop, flat_top
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...motion.signals import zero_phase
-from ...simulation.parts import DriveChange, Part
+from ...motion import Columns, FlatTop, Motion, Place, Shape, flat_top, zero_phase
+from ...simulation import DriveChange, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

@@ -8,10 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.falling_top import FallingTop, falling_top
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.parts import DriveChange, Part
+from ...motion import Columns, FallingTop, Motion, Place, Shape, falling_top
+from ...simulation import DriveChange, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 from .torque_saturation import OF_COMMAND, OF_LAW, asked_of, given_of, kinds

@@ -8,10 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.laws import Dahl
-from ...simulation.parts import JointTorque, Part
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import Dahl, JointTorque, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

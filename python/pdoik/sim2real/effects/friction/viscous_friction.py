@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.parts import DofChange, Part
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import DofChange, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
+from ...motion import Columns, Motion, Place, Shape
 from ..effect import Effect, Parameter
 
 _AXES = "xyz"

@@ -8,10 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...motion.turned import torque_turned
-from ...simulation.parts import Part, SensorChange
+from ...motion import Columns, Motion, Place, Shape, torque_turned
+from ...simulation import Part, SensorChange
 from ..effect import Effect, Example, Parameter, on_torque_and_tip
 from ..site import Site
 

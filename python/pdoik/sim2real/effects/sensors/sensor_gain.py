@@ -8,9 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.parts import Part, SensedChannel, SensorChange
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import Part, SensedChannel, SensorChange
 from ..effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from ..site import Site
 

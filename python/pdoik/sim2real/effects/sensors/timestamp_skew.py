@@ -8,10 +8,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Key, Place, Shape
-from ...motion.signals import shifted
-from ...simulation.parts import Part, SensorChange
+from ...motion import Columns, Key, Motion, Place, Shape, shifted
+from ...simulation import Part, SensorChange
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 from .sensor_gain import channel_of, through_law

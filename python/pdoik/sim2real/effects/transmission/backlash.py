@@ -9,9 +9,8 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.parts import GearPlay, Part
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import GearPlay, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 from .joint_elasticity import deflected

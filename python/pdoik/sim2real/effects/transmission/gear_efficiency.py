@@ -6,10 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.laws import of_driven_load
-from ...simulation.parts import HardFriction, Part
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import HardFriction, Part, of_driven_load
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 

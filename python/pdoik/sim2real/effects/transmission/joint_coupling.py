@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.parts import Coupling, Part
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import Coupling, Part
 from ..effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from ..site import Site
 

@@ -9,9 +9,8 @@ from scipy.linalg import lapack
 
 from pdoik.recordings import FloatArray
 
-from ...motion.motion import Motion
-from ...motion.place import Columns, Place, Shape
-from ...simulation.parts import GearPlay, Part
+from ...motion import Columns, Motion, Place, Shape
+from ...simulation import GearPlay, Part
 from ..effect import Effect, Example, Parameter, on_torque_and_tip, tip_turned
 from ..site import Site
 
