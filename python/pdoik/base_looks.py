@@ -30,7 +30,7 @@ class Question:
 
     robot: _core.Robot
     options: Options
-    paths: tuple[Any, ...]  # poses (N, 4, 4), or goals as _told_goals gives them
+    paths: tuple[Any, ...]  # poses (N, 4, 4), or goals as _given_goals gives them
     obstacles: tuple[Any, ...]  # shapes, points or None, contacts
     part: tuple[_core.Shape, ...]
     move: Moves

@@ -32,7 +32,7 @@ def listed(paths: Any) -> list[Any]:
     return several
 
 
-def told_path(path: Any, free: Any, spacing: float | None) -> Any:
+def given_path(path: Any, free: Any, spacing: float | None) -> Any:
     """Poses, (N, 4, 4), or goals in words that can be sent and moved."""
     has_goals = not isinstance(path, np.ndarray) and any(
         isinstance(each, _core.Goal | list) and not _is_matrix(each) for each in path
@@ -42,7 +42,7 @@ def told_path(path: Any, free: Any, spacing: float | None) -> Any:
             raise ValueError(
                 "free and spacing are for poses, not for goals, which say it themselves"
             )
-        return [_told_goals(each) for each in path]
+        return [_given_goals(each) for each in path]
     T = np.asarray(path, dtype=np.float64)
     if T.ndim != 3 or T.shape[1:] != (4, 4):
         raise ValueError(f"a path has shape {T.shape}, expected (N, 4, 4)")
@@ -50,14 +50,14 @@ def told_path(path: Any, free: Any, spacing: float | None) -> Any:
         T = sample_path(T, spacing)
     if free is None:
         return T
-    return [_told_goals(_core.Goal(each, type="axis", axis=free)) for each in T]
+    return [_given_goals(_core.Goal(each, type="axis", axis=free)) for each in T]
 
 
 def _is_matrix(value: Any) -> bool:
     return isinstance(value, list) and not isinstance(value[0], _core.Goal)
 
 
-def _told_goals(station: Any) -> list[dict[str, Any]]:
+def _given_goals(station: Any) -> list[dict[str, Any]]:
     goals = station if isinstance(station, list) else [station]
     told = []
     for each in goals:
@@ -72,7 +72,7 @@ def _told_goals(station: Any) -> list[dict[str, Any]]:
 
 
 def moved_path(path: Any, T: FloatArray) -> Any:
-    """What `told_path` gives, seen from elsewhere, as `Solver.solve_path` takes it."""
+    """What `given_path` gives, seen from elsewhere, as `Solver.solve_path` takes it."""
     if isinstance(path, np.ndarray):
         return T @ path
     stations = []
@@ -95,7 +95,7 @@ def way_of(path: Any) -> FloatArray:
     return np.array([told[0]["T_base_tip"][:3, 3] for told in path])
 
 
-def told_obstacles(obstacles: Any) -> tuple[Any, ...]:
+def given_obstacles(obstacles: Any) -> tuple[Any, ...]:
     """Shapes, points (N, 3) or (N, 4) or None, and rules of contact."""
     shapes: list[_core.Shape] = []
     contacts: list[_core.ContactRule] = []

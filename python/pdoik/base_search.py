@@ -16,7 +16,7 @@ import numpy.typing as npt
 from pdoik import _core
 from pdoik._files import write_whole
 from pdoik.base_looks import Question, look, looker
-from pdoik.base_paths import listed, told_obstacles, told_path
+from pdoik.base_paths import given_obstacles, given_path, listed
 from pdoik.base_places import (
     FIGURES,
     STATUSES,
@@ -118,8 +118,8 @@ def place_base(
     question = Question(
         robot=robot,
         options=options,
-        paths=tuple(told_path(path, free, spacing) for path in listed(paths)),
-        obstacles=told_obstacles(obstacles),
+        paths=tuple(given_path(path, free, spacing) for path in listed(paths)),
+        obstacles=given_obstacles(obstacles),
         part=tuple(part),
         move=move,
         asked={

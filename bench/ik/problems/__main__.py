@@ -21,7 +21,7 @@ from bench.common.provenance import provenance
 from bench.common.whole_files import write_text
 from bench.ik.problems.draw import draw_failures, draw_sheet
 from bench.ik.problems.families import FAMILIES
-from bench.ik.problems.held import HeldRobots, told_by_user
+from bench.ik.problems.held import HeldRobots, given_by_user
 from bench.ik.problems.loaders import read_problems
 from bench.ik.problems.make import problems_of, with_valid_configuration
 from bench.ik.problems.methods import LEAF, SPACING, Method, usual_way
@@ -82,7 +82,7 @@ def run(
     """Solve problem sets and judge every answer by meshes."""
     with plain_errors():
         told = dict(map(_held, hold or []))
-        files = told_by_user(_files(robot, urdf, srdf, packages, tip, base), told)
+        files = given_by_user(_files(robot, urdf, srdf, packages, tip, base), told)
         robots = HeldRobots(files, meshes, hull_meshes)
         sets = {}
         for path in source or []:

@@ -70,7 +70,7 @@ class HeldRobots:
         return HeldRobot(robot, judge, files)
 
 
-def told_by_user(files: RobotFiles, hold: Mapping[str, float]) -> RobotFiles:
+def given_by_user(files: RobotFiles, hold: Mapping[str, float]) -> RobotFiles:
     """The files with joints that stand where the user says.
 
     Raises:

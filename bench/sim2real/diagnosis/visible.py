@@ -93,7 +93,7 @@ def main(out: OutFolder = BUILD / "visible", quick: Quick = False) -> None:
 
 def _rows(case: Case) -> Iterator[Row]:
     draft = draft_of(WorldSpec(seed=case.seed, robot=case.robot))
-    smallest = foretold(case, draft)
+    smallest = predicted(case, draft)
     for times in TIMES:
         with tempfile.TemporaryDirectory(prefix="pdoik-visible-") as folder:
             hidden = _hidden(case, draft, times * smallest)
@@ -116,7 +116,7 @@ def _rows(case: Case) -> Iterator[Row]:
         }
 
 
-def foretold(case: Case, draft: Draft) -> float:
+def predicted(case: Case, draft: Draft) -> float:
     """The smallest size by the check of the machine without the effect."""
     with tempfile.TemporaryDirectory(prefix="pdoik-visible-") as folder:
         write_machine(Path(folder), draft, _ordinary(case, draft))

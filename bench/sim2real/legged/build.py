@@ -13,7 +13,7 @@ from bench.sim2real.legged import draw_base, draw_joint
 from bench.sim2real.legged.draw_joint import Draw, Scene, at_a_joint
 from bench.sim2real.legged.gait import Trot
 from bench.sim2real.legged.legs import Legs
-from bench.sim2real.legged.machine import FRICTION, Hidden, Machine, as_told, dense
+from bench.sim2real.legged.machine import FRICTION, Hidden, Machine, as_given, dense
 from bench.sim2real.legged.postures import hang, home, stand
 from bench.sim2real.legged.robots import Robot, robot
 from bench.sim2real.legged.run import FallenError, Policy, Rows, simulate
@@ -74,7 +74,7 @@ def background(spec: Spec) -> Machine:
     """The machine before anything is hidden in it."""
     kind = robot(spec.robot)
     if spec.background == "plain":
-        return as_told(kind)
+        return as_given(kind)
     return dense(kind, massive_links(kind), spec.stream("machine"))
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from bench.sim2real.legged.machine import as_told
+from bench.sim2real.legged.machine import as_given
 from bench.sim2real.legged.robots import Robot
 from bench.sim2real.legged.spec import Array
 from bench.sim2real.legged.world import build
@@ -18,7 +18,7 @@ class Legs:
     """The description, moved to where one asks: feet, joints that put them there, torques."""
 
     def __init__(self, robot: Robot) -> None:
-        self.robot, self.world = robot, build(as_told(robot))
+        self.robot, self.world = robot, build(as_given(robot))
         self.model: Any = self.world.model
         self.data: Any = mujoco.MjData(self.model)
         nv = self.model.nv

@@ -75,7 +75,7 @@ class Machine:
         return values
 
 
-def as_told(robot: Robot) -> Machine:
+def as_given(robot: Robot) -> Machine:
     n, feet = robot.n, len(robot.feet)
     zero, one = np.zeros(n), np.ones(n)
     return Machine(
@@ -113,7 +113,7 @@ def dense(robot: Robot, links: list[str], rng: np.random.Generator) -> Machine:
     def off(low: float, high: float, size: int) -> Array:
         return 1.0 + rng.choice([-1.0, 1.0], size) * rng.uniform(low, high, size)
 
-    n, told = robot.n, as_told(robot)
+    n, told = robot.n, as_given(robot)
     bodies = {
         link: Body(scale=float(scale), shift=_triple(rng.normal(0.0, 0.002, 3)))
         for link, scale in zip(links, off(0.03, 0.05, len(links)), strict=True)

@@ -47,7 +47,7 @@ def _asymmetric(values: Content, joint: Content) -> bool:
 
 
 def _rotor(values: Content, joint: Content) -> bool:
-    said, true = values["inertia"], joint["rotor"] - joint["rotor_told"]
+    said, true = values["inertia"], joint["rotor"] - joint["rotor_given"]
     return _near(said, true) or abs(said - true) < 0.1 * joint["rotor"]
 
 

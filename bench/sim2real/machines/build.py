@@ -266,8 +266,8 @@ def background(draft: Draft, tracks: list[Track]) -> list[dict[str, Any]]:
         own["torque_gain"] = float((1.0 + made.sensors.current_gain[j]) / own["gain"])
         own["torque_offset"] = float(made.sensors.current_offset[j])
         own["rated"] = float(made.rated[j])
-        told = made.told_rotor
-        own["rotor_told"] = 0.0 if told is None else float(told[j])
+        told = made.given_rotor
+        own["rotor_given"] = 0.0 if told is None else float(told[j])
         real, said = made.arm.links[j], made.believed.links[j]
         own["mass"], own["mass_told"] = float(real.mass), float(said.mass)
         result.append(own)
@@ -299,6 +299,6 @@ def _study(draft: Draft) -> dict[str, Any]:
             {"file": f"rec{k + 1}.csv", "role": role} for k, role in enumerate(draft.roles)
         ],
     }
-    if draft.machine.told_rotor is not None:
-        study["rotor_inertia"] = draft.machine.told_rotor.tolist()
+    if draft.machine.given_rotor is not None:
+        study["rotor_inertia"] = draft.machine.given_rotor.tolist()
     return study

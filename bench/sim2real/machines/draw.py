@@ -45,7 +45,7 @@ class Machine:
     gear: str
     arm: Arm  # truly
     believed: Arm  # as the URDF says
-    told_rotor: Array | None  # (n,) as the study says
+    given_rotor: Array | None  # (n,) as the study says
     figures: Figures
     rated: Array  # (n,) [N m]
     control: Controller
@@ -64,7 +64,7 @@ def machine(arm: Arm, rng: np.random.Generator) -> Machine:
         gear=gear,
         arm=arm,
         believed=believed,
-        told_rotor=np.array([float(f"{value:.3g}") for value in rotor])
+        given_rotor=np.array([float(f"{value:.3g}") for value in rotor])
         if rng.random() < 0.5
         else None,
         figures=figures,

@@ -25,7 +25,7 @@ from bench.common.markdown import markdown_table
 from bench.sim2real.legged import draw_joint
 from bench.sim2real.legged.build import legs_of
 from bench.sim2real.legged.draw_joint import Scene
-from bench.sim2real.legged.machine import Hidden, Machine, as_told
+from bench.sim2real.legged.machine import Hidden, Machine, as_given
 from bench.sim2real.legged.postures import Path as Posture
 from bench.sim2real.legged.postures import State, grid, hang, home, stand
 from bench.sim2real.legged.robots import robot
@@ -100,7 +100,7 @@ class Wrong:
     def drawn(cls, seed: int) -> "Wrong":
         """Of a seed: kinds and joints differ, sizes are a share of those of ../legged."""
         spec = Spec(seed=seed)
-        rng, told = spec.stream("wrong"), as_told(robot(spec.robot))
+        rng, told = spec.stream("wrong"), as_given(robot(spec.robot))
         machine, hidden = told, []
         kinds = rng.choice(KINDS, WRONG, replace=False)
         joints = rng.choice(told.robot.n, WRONG, replace=False)

@@ -19,7 +19,7 @@ import typer
 from bench.sim2real.concealed.spec import WorldSpec
 from bench.sim2real.propose.worlds import poor_world
 from pdoik._files import renamed_when_whole
-from pdoik.sim2real import Diagnosis, Equivalent, examine, load_study, made_ready, model_of
+from pdoik.sim2real import Diagnosis, Equivalent, examine, load_study, model_of, preprocess
 from pdoik.sim2real.effects.friction import bristle
 from pdoik.sim2real.propose import Proposal, Wishes, propose
 from pdoik.sim2real.report import house_style
@@ -45,7 +45,7 @@ def main(out: Annotated[Path, typer.Argument(help="PNG.")]) -> None:
         (report / "diagnosis.json").write_text(diagnosis.to_json())
         model_of(examination).save(report)
         proposal = propose(report, Wishes(effort=60, search=np.inf))
-        recording = made_ready(load_study(study)).prepared.fit.motions[0]
+        recording = preprocess(load_study(study)).prepared.fit.motions[0]
         at = proposal.joints.index(JOINT)
         logged = np.arange(0.0, recording.time[-1], PERIOD)
         log = np.interp(logged, recording.time, recording.q[:, at])

@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 WRONG = (0.4, 0.6, 0.8, 1.2, 1.4, 1.6)
 
 
-def told_drive(reference: Examination, gain: float) -> dict[str, Any]:
+def given_drive(reference: Examination, gain: float) -> dict[str, Any]:
     """Keys of a study that tells the drive's figures as another study found them."""
     drive = {name: [each.value] for name, each in reference.diagnosis.controllers[0].drive.items()}
     rotor = drive.pop("rotor_inertia")
@@ -167,12 +167,12 @@ def predictions(references: dict[int, Examination]) -> list[str]:
     return rows
 
 
-def gains_told_wrong(folder: Path) -> list[str]:
+def gains_given_wrong(folder: Path) -> list[str]:
     rows = ["| gain | told | said first | gain said | error |", "| --- | --- | --- | --- | --- |"]
     for gain, told in ((100, 160), (100, 60), (400, 560), (400, 240), (100, 100), (400, 400)):
         controller = {"type": "voltage", "kp": [told], "unit": [UNIT]}
         found = examine(study(folder, gain, controller=controller)).diagnosis.controllers[0]
-        said = "the gain told is wrong" if "kp" in found.told_wrong else "nothing of the gain"
+        said = "the gain told is wrong" if "kp" in found.given_wrong else "nothing of the gain"
         value = found.gains["kp"].value / UNIT
         rows.append(
             f"| {gain} | {told} | {said} | {value:.1f} | {100 * (value / gain - 1):+.1f} % |"
@@ -180,7 +180,7 @@ def gains_told_wrong(folder: Path) -> list[str]:
     return rows
 
 
-def loads_told_wrong(folder: Path, references: dict[int, Examination]) -> list[str]:
+def loads_given_wrong(folder: Path, references: dict[int, Examination]) -> list[str]:
     """Rows: a mass or a length told wrong, with nothing known of the drive and with its figures."""
     rows = [
         "| gain | told wrong | nothing known of the drive: swings like [m] | load is said to be"
@@ -200,7 +200,7 @@ def loads_told_wrong(folder: Path, references: dict[int, Examination]) -> list[s
             claimed = next((f.effect for f in blind.findings if f.effect in loads), "")
             too_long = any("told too long" in note for note in blind.notes)
             said = "too long" if too_long else claimed.replace("_", " ") or "not told apart"
-            keys = told_drive(references[other], gain)
+            keys = given_drive(references[other], gain)
             load = examine(study(folder, gain, mass, length, **keys)).diagnosis.controllers[0].load
             long = length * load["length_factor"].value
             heavy = mass * load["mass_factor"].value
@@ -225,9 +225,9 @@ def main() -> None:
         folder = Path(home)
         references = {gain: examine(study(folder / f"true{gain}", gain)) for gain in GAINS}
         if options.only in (None, "gains"):
-            parts += [*gains_told_wrong(folder / "gains"), ""]
+            parts += [*gains_given_wrong(folder / "gains"), ""]
         if options.only in (None, "loads"):
-            parts += [*loads_told_wrong(folder / "loads", references), ""]
+            parts += [*loads_given_wrong(folder / "loads", references), ""]
         if options.only in (None, "motions"):
             parts += [*predictions(references), ""]
     print("\n".join(parts))

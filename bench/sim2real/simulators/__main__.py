@@ -24,7 +24,7 @@ from pdoik.sim2real import Recording, Thresholds
 from pdoik.sim2real.simulation import build_plant, mjcf_text, movable_joints, read_description
 from pdoik.sim2real.simulators import (
     EVERY,
-    Knob,
+    ParameterId,
     Step,
     UserModel,
     baseline,
@@ -74,23 +74,25 @@ def commands(robot: Robot, seconds: float, role: str, rng: np.random.Generator) 
     )
 
 
-def conceal(user: UserModel, kinds: list[str], rng: np.random.Generator) -> dict[Knob, float]:
+def conceal(
+    user: UserModel, kinds: list[str], rng: np.random.Generator
+) -> dict[ParameterId, float]:
     """What the machine has, sizes as machines have them."""
-    values: dict[Knob, float] = {}
+    values: dict[ParameterId, float] = {}
     taken: set[int] = set()
     for kind in kinds:
         if kind == "shared delay":
-            values[Knob("delay", EVERY)] = float(rng.uniform(4e-3, 20e-3))
+            values[ParameterId("delay", EVERY)] = float(rng.uniform(4e-3, 20e-3))
             continue
         free = [k for k in range(len(user.joints)) if k not in taken]
         if kind == "mass":  # on a link that is moved by more than its own turning
             free = [k for k in free if k in _last_links(user)]
         k = int(rng.choice(free))
         taken.add(k)
-        knob = Knob(kind, k)
-        value = baseline(user, knob)
-        drive = baseline(user, Knob("kp", k))
-        values[knob] = {
+        parameter_id = ParameterId(kind, k)
+        value = baseline(user, parameter_id)
+        drive = baseline(user, ParameterId("kp", k))
+        values[parameter_id] = {
             "damping": lambda v, d: v + rng.uniform(0.01, 0.04) * d,
             "frictionloss": lambda v, d: v + rng.uniform(0.004, 0.02) * d,
             "armature": lambda v, d: v + rng.uniform(0.0004, 0.0015) * d,
@@ -100,7 +102,7 @@ def conceal(user: UserModel, kinds: list[str], rng: np.random.Generator) -> dict
             "mass": lambda v, d: v + rng.uniform(0.3, 1.0) * max(v, 0.3),
             "ref": lambda v, d: rng.choice([-1, 1]) * rng.uniform(0.03, 0.1),
         }[kind](value, drive)
-        values[knob] = float(values[knob])
+        values[parameter_id] = float(values[parameter_id])
     return values
 
 
@@ -125,13 +127,13 @@ def pair(job: dict[str, object]) -> list[Row]:
     return _scored(step, values, {"robot": str(job["robot"]), "noise": noise})
 
 
-def _scored(step: Step, values: dict[Knob, float], about: Row) -> list[Row]:
+def _scored(step: Step, values: dict[ParameterId, float], about: Row) -> list[Row]:
     user = step.explained.user
     matched: set[int] = set()
     rows: list[Row] = []
-    for knob, value in values.items():
-        place = "" if knob.index == EVERY else place_of(user, knob)
-        names = SAME.get(knob.property, {knob.property})
+    for parameter_id, value in values.items():
+        place = "" if parameter_id.index == EVERY else place_of(user, parameter_id)
+        names = SAME.get(parameter_id.property, {parameter_id.property})
         claimed, estimate = False, None
         for i, finding in enumerate(step.findings):
             where = (*finding.joints, *finding.links)
@@ -140,7 +142,7 @@ def _scored(step: Step, values: dict[Knob, float], about: Row) -> list[Row]:
             if right and (finding.effect in names or names & others):
                 matched.add(i)
                 claimed = True
-                estimate = finding.parameters.get(knob.property)
+                estimate = finding.parameters.get(parameter_id.property)
         listed = claimed or any(
             f.effect in names and (not place or place in (*f.joints, *f.links))
             for f in step.suspected
@@ -149,7 +151,7 @@ def _scored(step: Step, values: dict[Knob, float], about: Row) -> list[Row]:
         rows.append(
             {
                 **about,
-                "cause": "shared delay" if not place else knob.property,
+                "cause": "shared delay" if not place else parameter_id.property,
                 "claimed": claimed,
                 "listed": listed,
                 "truth": value,

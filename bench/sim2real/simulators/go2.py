@@ -19,7 +19,7 @@ from bench.common.descriptions import go2_urdf
 from bench.common.whole_files import write_whole
 from bench.sim2real.simulators.robots import compared, errors_by_joint, found_in
 from pdoik.sim2real.report import AFTER, BEFORE, MEASURED, house_style, png_of
-from pdoik.sim2real.simulators import Comparison, Knob
+from pdoik.sim2real.simulators import Comparison, ParameterId
 
 MAKERS = {"damping": 0.6, "frictionloss": 0.2, "armature": 0.01}
 LEG = 3  # joints of one
@@ -30,7 +30,9 @@ def table(comparison: Comparison) -> str:
     assert comparison.machine is not None
     explained = comparison.machine.explained
     held, joints = explained.held_out, comparison.study.joints
-    makers = {Knob(name, k): value for name, value in MAKERS.items() for k in range(len(joints))}
+    makers = {
+        ParameterId(name, k): value for name, value in MAKERS.items() for k in range(len(joints))
+    }
     sides = {
         "as it is [mrad]": explained.before,
         "with the authors' figures": held.run(makers, as_it_is=True),

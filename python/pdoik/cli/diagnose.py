@@ -77,7 +77,7 @@ _WIDTH = 118  # of tables where nobody looks at a terminal
 
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """The verdict, joints by what several of them have, what is peculiar, what would decide."""
+    """The verdict, joints by what several of them have, what is anomalous, what would decide."""
     from pdoik.sim2real.controllers import contradictions, of_load
     from pdoik.sim2real.report import (
         VERDICTS,

@@ -54,7 +54,7 @@ def misuse_fails(subject: str = "") -> Iterator[None]:
 
 
 @contextmanager
-def warnings_told(kind: type[Warning] = GoalWarning) -> Iterator[None]:
+def warnings_given(kind: type[Warning] = GoalWarning) -> Iterator[None]:
     """Print what the library warns of as lines of this program."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", kind)

@@ -14,7 +14,7 @@ from pdoik._addresses import at_home
 from pdoik.clouds import load_cloud
 from pdoik.scenes import SceneFile, read_scene_file
 
-from .messages import fail, misuse_fails, tell, warn, warnings_told
+from .messages import fail, misuse_fails, tell, warn, warnings_given
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -159,7 +159,7 @@ def _read_scene(
     file: Path, robot: pdoik.Robot | None, frame: str | None, without: Sequence[str]
 ) -> SceneFile:
     """A scene without the robot; what is odd about it and what it leaves out is told."""
-    with warnings_told(pdoik.ObstacleWarning):
+    with warnings_given(pdoik.ObstacleWarning):
         scene = read_scene_file(file, robot=robot, frame=frame, without=without)
     if out := scene.left_out:
         more = f" and {len(out) - 6} more" if len(out) > 6 else ""

@@ -21,7 +21,7 @@ from .messages import (
     tell,
     warn,
     warn_of_degrees,
-    warnings_told,
+    warnings_given,
 )
 from .obstacles import check_hulls, load_obstacles, solver_of
 from .options import (
@@ -211,7 +211,7 @@ def path(
         cloud, leaf, radii, scene, loaded, frame=frame, without=without or ()
     )
     kept = None if obstacles is None else obstacles.kept()
-    with misuse_fails(), warnings_told():
+    with misuse_fails(), warnings_given():
         options = pdoik.Options(
             T_tip_tool=T_tip_tool,
             position_tolerance=position_tolerance,

@@ -79,7 +79,7 @@ def _go(
     thread.start()
     with err.status("") as line:
         line.stop()
-        is_told = False
+        is_given = False
         while thread.is_alive():
             seconds = time.monotonic() - began
             if seconds > _FIRST_GO:
@@ -87,9 +87,9 @@ def _go(
                 line.update(text)
                 if err.is_terminal:
                     line.start()
-                elif not is_told and share <= _FIRST_GO * 2.0:
+                elif not is_given and share <= _FIRST_GO * 2.0:
                     tell(f"{text}; Ctrl-C ends with what is known")
-                    is_told = True
+                    is_given = True
             thread.join(min(_LOOKS, 0.002 + 0.1 * seconds))
             try:
                 stop.get_nowait()

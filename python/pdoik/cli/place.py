@@ -17,7 +17,7 @@ import pdoik
 from pdoik.base_places import places_of
 
 from .interrupts import STOPPED, noted
-from .messages import NOT_SOLVED, err, fail, misuse_fails, out, tell, warn, warnings_told
+from .messages import NOT_SOLVED, err, fail, misuse_fails, out, tell, warn, warnings_given
 from .obstacles import check_hulls, load_obstacles, refuse_attached
 from .options import (
     OUTPUT,
@@ -176,7 +176,7 @@ def place(
     with (
         TemporaryDirectory(prefix="pdoik-places-") as folder,
         misuse_fails(),
-        warnings_told(),
+        warnings_given(),
         _progress() as bar,
         noted() as stop,
     ):

@@ -15,7 +15,7 @@ from pdoik.descriptions import shipped_name
 from .all_report import print_all
 from .facts import all_facts, facts
 from .goal_file import read_goal_file
-from .messages import NOT_SOLVED, fail, misuse_fails, out, warn_of_degrees, warnings_told
+from .messages import NOT_SOLVED, fail, misuse_fails, out, warn_of_degrees, warnings_given
 from .obstacles import Obstacles, check_hulls, load_obstacles, solver_of
 from .options import (
     GOAL,
@@ -186,7 +186,7 @@ def solve(
     obstacles = load_obstacles(
         cloud, leaf, radii, scene, loaded, frame=frame, without=without or ()
     )
-    with misuse_fails(), warnings_told():
+    with misuse_fails(), warnings_given():
         options = pdoik.Options(
             goal=goal,
             goal_axis=goal_axis,

@@ -8,7 +8,7 @@ import pdoik
 from pdoik._extras import asks_for
 from pdoik.reports import ending_of
 
-from .messages import fail, misuse_fails, tell, warn, warnings_told
+from .messages import fail, misuse_fails, tell, warn, warnings_given
 from .obstacles import solver_of
 from .solution import AllSolutions, Solution
 
@@ -36,7 +36,7 @@ def check_report(report: Path | None) -> None:
 def write_report(report: Path, solution: Solution | AllSolutions, urdf: str | None) -> None:
     """Question and answer, as `pdoik report` reads them."""
     question = solution.question
-    with misuse_fails("--report"), warnings_told():
+    with misuse_fails("--report"), warnings_given():
         pdoik.write_report(
             report,
             solver_of(solution.robot, solution.options, solution.obstacles),

@@ -54,8 +54,8 @@ def call_entry(
             str(link): plain(np.asarray(T, dtype=np.float64)) for link, T in T_tip_tool.items()
         }
     else:
-        is_told = T_tip_tool is not None
-        entry["T_tip_tool"] = plain(np.asarray(T_tip_tool, dtype=float)) if is_told else None
+        is_given = T_tip_tool is not None
+        entry["T_tip_tool"] = plain(np.asarray(T_tip_tool, dtype=float)) if is_given else None
     return entry | {"priority": priority}
 
 

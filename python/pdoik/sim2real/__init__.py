@@ -16,7 +16,7 @@ from pdoik._extras import asks_for
 with asks_for("sim2real"):
     from pdoik.recordings import Recording
 
-    from .diagnose import UnanswerableError, diagnose, examine, made_ready
+    from .diagnose import UnanswerableError, diagnose, examine, preprocess
     from .effects import CATALOGUE, register
     from .evidence import evidence_of, model_of, servo_model, write
     from .export import export_mjcf, export_urdf
@@ -89,10 +89,10 @@ __all__ = [
     "export_urdf",
     "load_model",
     "load_study",
-    "made_ready",
     "model_of",
     "predict",
     "prepare",
+    "preprocess",
     "propose",
     "register",
     "replay",

@@ -39,7 +39,7 @@ class Ready:
         return why_unanswerable(self.prepared, self.control, self.check)
 
 
-def made_ready(study: Study, say: Tell = lambda stage, text, share: None) -> Ready:
+def preprocess(study: Study, say: Tell = lambda stage, text, share: None) -> Ready:
     """Put up the balances, work out controllers and mend channels."""
     study = excerpted(study)
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
@@ -97,7 +97,7 @@ def examine(
     """
     say = tell or (lambda stage, text, share: None)
     with threadpool_limits(limits=1, user_api="blas"):  # of small solves threads only wait
-        ready = made_ready(_believing(load_study(study), thresholds), say)
+        ready = preprocess(_believing(load_study(study), thresholds), say)
         if ready.unanswerable and not anyway:
             raise UnanswerableError(ready.unanswerable)
         return _examined(ready, seed, say)

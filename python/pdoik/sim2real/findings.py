@@ -97,7 +97,7 @@ class Evidence:
     validation_gain: float  # share of the mean square residual, 0 to 1
     interval95: tuple[float, float]
     channels: tuple[str, ...] = ()  # the columns it rests on
-    beside_others: float | None = None  # the same of what all else leaves where it acts
+    with_others: float | None = None  # the same of what all else leaves where it acts
 
     @classmethod
     def once(cls, share: float, *channels: str) -> Evidence:
@@ -183,7 +183,7 @@ class ControllerEstimate:
     error: float = 0.0  # root mean square that it leaves of it, in the effort's unit
     in_band: float = 0.0  # share that a law of any kind explains in the band of the motion
     data: str = ""  # the recordings it was judged on
-    told_wrong: dict[str, float] = field(default_factory=dict)  # gains that the study tells
+    given_wrong: dict[str, float] = field(default_factory=dict)  # gains that the study tells
     untellable: tuple[str, ...] = ()  # what it hides, in words
     drive: dict[str, Estimate] = field(default_factory=dict)  # of a motor driven by a voltage
     load: dict[str, Estimate] = field(default_factory=dict)  # what such a motor tells of it
@@ -296,7 +296,7 @@ def _finding(content: dict[str, Any]) -> Finding:
         evidence=Evidence(
             validation_gain=content["evidence"]["validation_gain"],
             interval95=tuple(content["evidence"]["interval95"]),
-            beside_others=content["evidence"].get("beside_others"),
+            with_others=content["evidence"].get("with_others"),
             channels=tuple(content["evidence"].get("channels", ())),
         ),
         support=Support(**content["support"]) if content.get("support") else None,

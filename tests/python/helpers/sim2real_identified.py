@@ -31,7 +31,7 @@ def identified(balances: Balances) -> Identified:
 
 
 def ordinary_fit(balances: Balances) -> Fit:
-    """All that every machine has, and nothing that is peculiar."""
+    """All that every machine has, and nothing that is anomalous."""
     posterior = Posterior.of(balances)
     return posterior.fit_of(posterior.begun(BODIES).model)
 

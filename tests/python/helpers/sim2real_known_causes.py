@@ -79,7 +79,7 @@ SEVERAL: set[TermKey] = {
     ("position_dependent_spring", Place(joints=(1,))),
     ("stribeck_friction", Place(joints=(0,))),
 }
-"""Of these, what is peculiar."""
+"""Of these, what is anomalous."""
 
 
 def few_steps() -> Callable[..., None]:

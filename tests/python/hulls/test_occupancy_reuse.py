@@ -34,8 +34,8 @@ def wedge() -> trimesh.Trimesh:
     foot = trimesh.convex.convex_hull(
         np.array([[0, 0, 0], [0.12, 0, 0], [0, 0.07, 0], [0, 0, 0.05], [0.03, 0.05, 0.04]])
     )
-    knob = trimesh.creation.box((0.03, 0.02, 0.025)).apply_translation([0.08, 0.06, 0.05])
-    return trimesh.util.concatenate([foot, knob])
+    parameter_id = trimesh.creation.box((0.03, 0.02, 0.025)).apply_translation([0.08, 0.06, 0.05])
+    return trimesh.util.concatenate([foot, parameter_id])
 
 
 def motion(*, mirrored: bool) -> Array:

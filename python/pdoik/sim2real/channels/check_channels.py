@@ -8,7 +8,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
-from ..effects.drives import falling_top_of, kinds, top_of
+from ..effects.drives import kinds, speed_torque_limit_of, top_of
 from ..effects.sensors import SensorGain
 from ..findings import Estimate, Evidence, Finding
 from ..motion import Balances, Motion, Prepared, RigidBody, derivative, zero_phase
@@ -122,7 +122,7 @@ def _agree(b: Balances, ratio: float) -> bool:
 def _limited(b: Balances, j: int) -> bool:
     """Whether joint j's torque is cut off, which makes it less than it should be."""
     return any(
-        top_of(b.motions, j, kind) or falling_top_of(b.motions, j, kind)
+        top_of(b.motions, j, kind) or speed_torque_limit_of(b.motions, j, kind)
         for kind in kinds(b.motions[0], j)
     )
 

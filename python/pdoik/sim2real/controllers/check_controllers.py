@@ -11,7 +11,7 @@ from pdoik.recordings import FloatArray
 
 from ..findings import ControllerEstimate, Finding
 from ..motion import Prepared, prepare, thinned
-from ..study import Controller, Study, ToldController, VoltageDrive
+from ..study import Controller, GivenController, Study, VoltageDrive
 from .drive_findings import Drives, drive_findings
 from .estimate import JointLaw, joint_law
 from .feeds import Feeds
@@ -168,7 +168,7 @@ def _known(
     least = study.thresholds.controllers.used
     own = study.controller
     believed = all(each.law == "pd" and each.explained >= least for each in estimates)
-    wrong = any(each.told_wrong for each in estimates)
+    wrong = any(each.given_wrong for each in estimates)
     if not believed or (own is not None and not wrong):
         return own
     if study.told is not None and study.told.type in ("pid", "cascade", "table") and not wrong:
@@ -177,7 +177,7 @@ def _known(
     units = {each.unit for each in estimates}
     told = study.told
     if own is not None and own.type == "pd":  # what is told wrong is a position gain
-        wrong_at = [bool(each.told_wrong) for each in estimates]
+        wrong_at = [bool(each.given_wrong) for each in estimates]
         return replace(own, kp=np.where(wrong_at, kp, own.kp))
     if units == {"N m"}:
         return Controller(
@@ -207,7 +207,7 @@ def _drive(
     study: Study,
     estimates: Sequence[ControllerEstimate],
     motors: Sequence[Motor],
-    told: ToldController | None,
+    told: GivenController | None,
 ) -> VoltageDrive:
     def limit(j: int) -> float:
         if told is not None and told.duty_limit is not None:
@@ -235,7 +235,7 @@ def _gain(estimates: Sequence[ControllerEstimate], name: str) -> FloatArray:
 
 
 def _limit(
-    estimates: Sequence[ControllerEstimate], told: ToldController | None
+    estimates: Sequence[ControllerEstimate], told: GivenController | None
 ) -> FloatArray | None:
     if told is not None and told.torque_limit is not None:
         return told.torque_limit
@@ -245,7 +245,7 @@ def _limit(
     return np.array([_NEVER if each is None else each.value for each in found])
 
 
-def _period(estimates: Sequence[ControllerEstimate], told: ToldController | None) -> float | None:
+def _period(estimates: Sequence[ControllerEstimate], told: GivenController | None) -> float | None:
     if told is not None and told.period is not None:
         return told.period
     found = [each.gains["period"].value for each in estimates if "period" in each.gains]

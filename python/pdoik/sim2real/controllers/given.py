@@ -49,7 +49,7 @@ def compared(
     far = all(abs(value - kp) > limits.given_off * abs(kp) for kp, _ in shown)
     differs = all(_log_odds(value, kp, std, limits) > limits.worth for kp, std in shown)
     wrong = same_way and far and differs
-    return replace(estimate, told_wrong={"kp": value}) if wrong else estimate
+    return replace(estimate, given_wrong={"kp": value}) if wrong else estimate
 
 
 def _log_odds(value: float, kp: float, std: float, limits: ControllerThresholds) -> float:

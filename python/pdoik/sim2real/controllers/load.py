@@ -71,7 +71,7 @@ def load_of(body: RigidBody, j: int, motor: Motor, drive_error: float) -> Load |
     return load
 
 
-def in_words(joint: str, load: Load, rotor_told: bool) -> str:
+def in_words(joint: str, load: Load, rotor_given: bool) -> str:
     """A sentence or two."""
     if load.mass is not None and load.length is not None:
         factors = [
@@ -89,7 +89,7 @@ def in_words(joint: str, load: Load, rotor_told: bool) -> str:
     if own > whole.value + 3.0 * whole.std:
         least = 100.0 * (own / whole.value - 1.0)
         return f"{said}: it is too long by {least:.2g} % at least, since no rotor shortens it."
-    if rotor_told:
+    if rotor_given:
         return f"{said}."
     return (
         f"{said}, and the rest was attributed to the rotor. A load of another length with another"

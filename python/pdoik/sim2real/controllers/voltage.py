@@ -25,7 +25,7 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..findings import Estimate
 from ..motion import Balances, Motion, derivative, zero_phase
-from ..study import ToldController
+from ..study import GivenController
 from ..thresholds import ControllerThresholds
 from .linear_model import LinearModel, Parameter, parts_of
 
@@ -84,7 +84,7 @@ class Motor:
         }
 
 
-def supply(recording: Recording, j: int, told: ToldController | None) -> FloatArray:
+def supply(recording: Recording, j: int, told: GivenController | None) -> FloatArray:
     """Volts of joint j's supply without the bridge's switching, (T,)."""
     if recording.voltage is not None and np.isfinite(recording.voltage[:, j]).all():
         return zero_phase(recording.voltage[:, j], _SUPPLY, recording.period)
@@ -129,7 +129,7 @@ def let_go(recording: Recording, j: int) -> NDArray[np.bool_]:
 
 
 def motor_of(
-    b: Balances, j: int, told: ToldController | None, limits: ControllerThresholds
+    b: Balances, j: int, told: GivenController | None, limits: ControllerThresholds
 ) -> Motor | None:
     """The motor that fits the model best, beside friction; None where nothing moves.
 
@@ -195,7 +195,7 @@ def motor_of(
 def with_torque(
     recordings: Sequence[Recording],
     motors: Sequence[Motor | None],
-    told: ToldController | None,
+    told: GivenController | None,
     cutoff: float,
 ) -> tuple[Recording, ...]:
     """Recordings with torques in place of duties, where a joint's motor is known."""
@@ -218,7 +218,7 @@ _NAMES = (
 _POSITIVE = ("gravity", "inertia", "sign", "through", "back_emf", "supply_loss", "viscous")
 
 
-def _columns(m: Motion, j: int, told: ToldController | None) -> FloatArray:
+def _columns(m: Motion, j: int, told: GivenController | None) -> FloatArray:
     """Volts given, then what they are made of (see the module), (T, 10)."""
     r = m.recording
     assert r.duty is not None
@@ -234,7 +234,7 @@ def _columns(m: Motion, j: int, told: ToldController | None) -> FloatArray:
     return np.stack([given, *made_of], axis=1)
 
 
-def _given(told: ToldController | None, j: int) -> dict[str, float]:
+def _given(told: GivenController | None, j: int) -> dict[str, float]:
     """Figures of the drive that the study gives."""
     if told is None:
         return {}

@@ -50,7 +50,7 @@ def law_in_words(estimate: ControllerEstimate) -> str:
 def contradictions(estimate: ControllerEstimate) -> list[str]:
     """Gains told that the effort contradicts."""
     said = []
-    for name, told in estimate.told_wrong.items():
+    for name, told in estimate.given_wrong.items():
         found = estimate.gains[name]
         by = f" ({100 * (told / found.value - 1.0):+.0f} %)" if found.value > 0.0 else ""
         said.append(
@@ -115,7 +115,7 @@ def with_untellable(
         )
     if "limit" in gains:
         said.append("while its output is at its limit, its gains have no effect")
-    if estimate.effort == "duty" and not _told_scale(study):
+    if estimate.effort == "duty" and not _given_scale(study):
         rotor = study.rotor_inertia is None
         said.append(
             "only ratios of load and drive are seen: the load's mass and the torque per volt"
@@ -133,7 +133,7 @@ def with_untellable(
     return replace(estimate, untellable=tuple(said))
 
 
-def _told_scale(study: Study) -> bool:
+def _given_scale(study: Study) -> bool:
     return study.told is not None and study.told.torque_per_volt is not None
 
 

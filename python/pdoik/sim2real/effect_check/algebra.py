@@ -91,7 +91,7 @@ def nothing(trial: Trial) -> Outcome:
     shape = effect.coefficients({**trial.example.values, **values}, trial.shape)[0]
     try:
         parts = trial.parts_at({**trial.example.values, **values}, shape)
-        logged = trial.arm.run((*trial.beside_parts, *parts))
+        logged = trial.arm.run((*trial.with_parts, *parts))
     except (PdoikError, ValueError, ZeroDivisionError) as error:
         return at_most(NOTHING, math.inf, SAME_MOTION, f"it cannot be simulated: {error}")
     plain = trial.plain_run.tau

@@ -29,7 +29,7 @@ class Trial:
     @cached_property
     def plain_run(self) -> Recording:
         """What the arm logs without the effect, with what the example has beside it."""
-        return self.arm.run(self.beside_parts) if self.beside else self.arm.plain_run
+        return self.arm.run(self.with_parts) if self.beside else self.arm.plain_run
 
     @cached_property
     def plain(self) -> Balances:
@@ -51,7 +51,7 @@ class Trial:
         return next(iter(here or places), None)
 
     @cached_property
-    def beside_parts(self) -> tuple[Part, ...]:
+    def with_parts(self) -> tuple[Part, ...]:
         """Of what the example has beside the effect."""
         return tuple(part for each, shape, _ in self.beside for part in self._parts_of(each, shape))
 
@@ -111,7 +111,7 @@ class Trial:
     def log(self, arm: Arm, *, name: str = RECORDING, late: float = 0.0) -> Recording:
         """`logged` of another motion."""
         assert self.place is not None
-        run = arm.run((*self.beside_parts, *self.parts), name=name, late=late)
+        run = arm.run((*self.with_parts, *self.parts), name=name, late=late)
         return self.effect.logged(run, self.place, self.example.values)
 
     @cached_property

@@ -59,7 +59,7 @@ def replay_of(model: Model, setup: Setup, recording: Recording, notes: list[str]
         drive = simulator.drive_for(recording)
         window = None if drive == "controller" else OPEN_LOOP_WINDOW
         run = simulator.replay(
-            recording, drive=drive, window=window, tip=False, leash=window is not None
+            recording, drive=drive, window=window, tip=False, drift_reset=window is not None
         )
         strayed.append(simulator.put_back)
         notes += [

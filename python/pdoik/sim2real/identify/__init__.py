@@ -7,12 +7,12 @@ What was identified is confirmed by simulation in `confirm` and told by `infer`.
 """
 
 from .candidates import candidates
-from .company import fits_beside
+from .company import fits_with
 from .confidence import confidence_of, features
 from .contacts import Window, acting, clearest, contact_term, pauses, stands
 from .figures import estimates, event_estimates, values_and_errors
 from .flexible import count_independent
-from .hypothesis import Hypothesis, ordinary, peculiar
+from .hypothesis import Hypothesis, anomalous, ordinary
 from .identified import Identified, Part, Weighed
 from .identify import identify
 from .linearisation import Linearisation, Series
@@ -45,6 +45,7 @@ __all__ = [
     "Window",
     "acting",
     "all_else",
+    "anomalous",
     "as_trusted",
     "candidates",
     "changes_of",
@@ -56,12 +57,11 @@ __all__ = [
     "event_estimates",
     "expected",
     "features",
-    "fits_beside",
+    "fits_with",
     "held_out_support",
     "identify",
     "ordinary",
     "pauses",
-    "peculiar",
     "recorded",
     "relinearised",
     "remainder",

@@ -1,7 +1,7 @@
 """Which parts of a model are claimed: surely there, and large beside what nothing explains.
 
 An ordinary part is named where it is some errors from nothing and not negligible; a body where it
-is not within its trust. A peculiar cause is claimed where its odds are worth it, it is as
+is not within its trust. An anomalous cause is claimed where its odds are worth it, it is as
 large as what nothing explains, and what held-out rows gain makes it sure enough. What else is
 likely is doubtful: in the model, and only suspected.
 """
@@ -35,14 +35,14 @@ _UNNAMED = (DAYS, Tolerance.id)
 def identified(posterior: Posterior, state: State) -> Identified:
     """What a state comes to."""
     claims = _Claims.of(posterior, state)
-    claims.judge_peculiar()
+    claims.judge_anomalous()
     claims.judge_ordinary()
     return claims.made()
 
 
 @dataclass(kw_only=True, eq=False)
 class _Claims:
-    """Filled by two passes over the model: what is peculiar, then what is ordinary."""
+    """Filled by two passes over the model: what is anomalous, then what is ordinary."""
 
     posterior: Posterior
     state: State
@@ -69,7 +69,7 @@ class _Claims:
             fit=Fit(noisy, active),
         )
 
-    def judge_peculiar(self) -> None:
+    def judge_anomalous(self) -> None:
         """Causes that were chosen."""
         weighed = judged(self.posterior, self.state)
         everything = [own.hypothesis.term for own, _ in weighed]

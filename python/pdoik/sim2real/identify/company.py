@@ -53,7 +53,7 @@ def is_ordinary(term: Term) -> bool:
     return term.place.gate is None and not CATALOGUE[term.effect].variant(term.shape)
 
 
-def fits_beside(hypothesis: Hypothesis, chosen: Iterable[Hypothesis]) -> bool:
+def fits_with(hypothesis: Hypothesis, chosen: Iterable[Hypothesis]) -> bool:
     """Whether a cause may stand beside others: one law of a kind at a joint, one body at a link."""
     effect, place = CATALOGUE[hypothesis.term.effect], hypothesis.term.place
     for other in chosen:

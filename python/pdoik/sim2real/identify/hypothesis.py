@@ -66,7 +66,7 @@ def ordinary(term: Term, size: float | FloatArray, *, positive: bool = False) ->
     )
 
 
-def peculiar(balances: Balances, term: Term, *, among: float = 1.0) -> Hypothesis:
+def anomalous(balances: Balances, term: Term, *, among: float = 1.0) -> Hypothesis:
     """A cause that few machines have.
 
     Its size is what its effect says, else such that its part of a balance is usual: a share of a

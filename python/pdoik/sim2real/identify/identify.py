@@ -9,7 +9,7 @@ from ..effects import CATALOGUE
 from ..motion import Prepared
 from ..regression import term_of
 from .claims import identified
-from .hypothesis import Hypothesis, peculiar
+from .hypothesis import Hypothesis, anomalous
 from .identified import Identified
 from .posterior import Posterior, likeliest
 from .relinearised import relinearised
@@ -80,6 +80,6 @@ def _anew(prepared: Prepared, state: State) -> list[Hypothesis]:
         effect = CATALOGUE[each.term.effect]
         term = term_of(prepared.fit, effect, each.term.place, each.term.shape)
         if term is not None:
-            fresh = peculiar(prepared.fit, term)
+            fresh = anomalous(prepared.fit, term)
             found.append(replace(fresh, log_odds=each.log_odds))
     return found

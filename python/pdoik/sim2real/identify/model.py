@@ -234,7 +234,7 @@ class Model:
 
     @property
     def log_prior(self) -> float:
-        """Log odds of what is peculiar in it."""
+        """Log odds of what is anomalous in it."""
         return float(sum(each.log_odds for each in self.hypotheses))
 
     @property

@@ -1,7 +1,7 @@
 """Which causes, by their posterior: added, dropped, swapped and reshaped until nothing is worth it.
 
-Ordinary physics is always in the model. A peculiar cause enters where the evidence for it, with its
-prior odds, pays its price, and stays only as long as that is so beside everything else.
+Ordinary physics is always in the model. An anomalous cause enters where the evidence for it, with
+its prior odds, pays its price, and stays only as long as that is so with everything else.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 
 from ..effects import CATALOGUE
 from ..regression import TermKey
-from .company import fits_beside, of_torque
+from .company import fits_with, of_torque
 from .hypothesis import Hypothesis
 from .pool import Pool, Scored
 from .proposals import begun, gated, harmonics, nameless, pushes
@@ -64,7 +64,7 @@ class Posterior(Weighing):
         serious = [
             each
             for each in scored
-            if each.hypothesis.key not in gone and fits_beside(each.hypothesis, state.chosen)
+            if each.hypothesis.key not in gone and fits_with(each.hypothesis, state.chosen)
         ]
         best = self.best(state.model, serious)
         if best is None or best.log_odds < self.balances.thresholds.diagnosis.worth:
@@ -159,7 +159,7 @@ class Posterior(Weighing):
                 for each in (*Pool(self.data, found).scored(bare.model), *other)
                 if each.hypothesis.key not in taken
                 and each.hypothesis.term.place.joints[:1] == (j,)
-                and fits_beside(each.hypothesis, rest)
+                and fits_with(each.hypothesis, rest)
             ]
             scored.sort(key=lambda each: -each.log_odds)
             best = self.best(bare.model, scored[: 2 * SERIOUS])
@@ -202,7 +202,7 @@ class Posterior(Weighing):
             for scored in self.pool.scored(without.model)
             if scored.hypothesis.key not in taken
             and not scored.hypothesis.term.columns.keys().isdisjoint(each.term.columns)
-            and fits_beside(scored.hypothesis, without.chosen)
+            and fits_with(scored.hypothesis, without.chosen)
         ][:SERIOUS]
 
 

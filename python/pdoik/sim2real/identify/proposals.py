@@ -16,7 +16,7 @@ from ..regression import Fit, Term, term_of
 from .contacts import contact_term
 from .gates import PARTS, likely_gates, plain_terms, terms_at, with_gate
 from .harmonics import harmonic_terms
-from .hypothesis import Hypothesis, peculiar
+from .hypothesis import Hypothesis, anomalous
 from .onsets import MOMENTS, likely_onset, may_begin
 
 _OF_NORMAL = 0.6745  # median of the size of what is normal, over its standard deviation
@@ -28,7 +28,7 @@ _FREQUENCIES = 100.0
 def harmonics(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
     """Of joints' angles, the strongest in what is left."""
     for term in harmonic_terms(fit):
-        yield peculiar(balances, term, among=_HARMONICS)
+        yield anomalous(balances, term, among=_HARMONICS)
 
 
 def gated(
@@ -46,7 +46,7 @@ def gated(
         for _, plain, gate in best:
             term = with_gate(fit, plain, gate)
             if term.columns:
-                yield peculiar(balances, term, among=PARTS)
+                yield anomalous(balances, term, among=PARTS)
 
 
 def begun(
@@ -59,7 +59,7 @@ def begun(
         for each in sorted(likely, key=lambda each: -each.gain)[:2]:
             term = with_gate(fit, each.term, Gate(of="clock", low=each.since))
             if term.columns:
-                yield peculiar(balances, term, among=MOMENTS)
+                yield anomalous(balances, term, among=MOMENTS)
 
 
 def pushes(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
@@ -70,7 +70,7 @@ def pushes(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
     usual = {key: _usual(fit, key) for key in fit.design}
     term = contact_term(Fit(balances.with_noise(usual), fit.terms))
     if term is not None:
-        yield peculiar(balances, term, among=_WINDOWS)
+        yield anomalous(balances, term, among=_WINDOWS)
 
 
 def _usual(fit: Fit, key: Key) -> float:
@@ -99,7 +99,7 @@ def nameless(
         for among, terms in ((1.0, found), (_FREQUENCIES, clocks)):
             for term in terms:
                 if term is not None:
-                    yield peculiar(balances, term, among=among * len(found))
+                    yield anomalous(balances, term, among=among * len(found))
 
 
 def _clocks(fit: Fit, j: int) -> list[Shape]:

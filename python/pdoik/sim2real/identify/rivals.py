@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .company import fits_beside, wider
+from .company import fits_with, wider
 from .hypothesis import Hypothesis
 from .model import Model
 from .ordinary import days_of
@@ -42,7 +42,7 @@ def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Sc
         if each.hypothesis.term.place == part.term.place
         and each.hypothesis.term.effect != part.term.effect
         and each.hypothesis.term.columns.keys() == part.term.columns.keys()
-        and fits_beside(each.hypothesis, state.chosen)
+        and fits_with(each.hypothesis, state.chosen)
     ]
     return _near(posterior, without, own, pool)
 

@@ -30,7 +30,7 @@ def held_out_support(
     term: Term,
     log_odds: float,
     rivals: int = 0,
-    peculiar: Sequence[Term] = (),
+    anomalous: Sequence[Term] = (),
     had_by: HadBy = "all",
 ) -> Support:
     """Support of one of a fit's terms beside all others, recordings or parts of them left out.
@@ -41,12 +41,12 @@ def held_out_support(
         term: one of the fit's.
         log_odds: that it is there.
         rivals: names that do as well.
-        peculiar: all causes that are not ordinary: smaller ones count as what nothing explains.
+        anomalous: all causes that are not ordinary: smaller ones count as what nothing explains.
         had_by: machines that have its effect.
     """
     others = fit.without(term, *days_of(fit.terms, term))
     b = fit.balances
-    if _folds_told(fit, term) > 1:
+    if _folds_given(fit, term) > 1:
         before, after = others.held_out(), fit.held_out()
     else:  # what acts in one part alone is learnt where it acts, or nowhere
         before = {key: others.residual(key) for key in others.design}
@@ -81,7 +81,7 @@ def held_out_support(
         weight=float(np.sqrt(own / max(first, 1e-12))),
         gain=min(total / max(began, 1e-12), 1.0),
         t=total / max(error, 1e-12),
-        size=_size(fit, term, peculiar),
+        size=_size(fit, term, anomalous),
         agree=int(np.count_nonzero(by_fold[seen] > 0.0)),
         sessions=int(np.count_nonzero(seen)),
         blocks=len(used),
@@ -91,15 +91,15 @@ def held_out_support(
     )
 
 
-def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
-    """The fit with bodies and scales where they are: no peculiar cause is made up for by them.
+def as_trusted(fit: Fit, anomalous: Sequence[Term]) -> Fit:
+    """The fit with bodies and scales where they are: no anomalous cause is made up for by them.
 
     How far they may be off is in a cause's odds. Without it they would go as far as rows ask.
     """
     b, kept = fit.balances, []
     left = {key: b.residual[key].copy() for key in fit.design}
     for term, beta in fit.weighted:
-        if term.effect not in TRUSTED or any(term is each for each in peculiar):
+        if term.effect not in TRUSTED or any(term is each for each in anomalous):
             kept.append(term)
             continue
         for key, column in term.columns.items():
@@ -108,7 +108,7 @@ def as_trusted(fit: Fit, peculiar: Sequence[Term]) -> Fit:
     return Fit(b.with_residual(left), kept)
 
 
-def _folds_told(fit: Fit, term: Term) -> int:
+def _folds_given(fit: Fit, term: Term) -> int:
     """In how many folds a term acts."""
     energy = np.zeros(fit.folds)
     for key, column in term.columns.items():
@@ -119,10 +119,10 @@ def _folds_told(fit: Fit, term: Term) -> int:
     return int(np.count_nonzero(energy > _ACTS * energy.sum()))
 
 
-def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
+def _size(fit: Fit, term: Term, anomalous: Sequence[Term]) -> float:
     """A term's part over what nothing explains: the largest of its balances.
 
-    Sensors' noise does not count as that, and smaller peculiar causes do: many small ones may be a
+    Sensors' noise does not count as that, and smaller anomalous causes do: many small ones may be a
     misfit of the law of something large. Of an event where it acts, of all else over all rows.
     """
     b, largest = fit.balances, 0.0
@@ -140,7 +140,7 @@ def _size(fit: Fit, term: Term, peculiar: Sequence[Term]) -> float:
         rest = unexplained(left, b.floor[key] ** 2)
         others = [
             float(np.mean(fit.part(each, key)[rows] ** 2))
-            for each in peculiar
+            for each in anomalous
             if each is not term and key in each.columns
         ]
         rest += sum(each for each in others if each < own)

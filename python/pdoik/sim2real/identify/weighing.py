@@ -15,7 +15,7 @@ from .candidates import candidates, is_restless
 from .company import beside, has_shape, is_ordinary, wider
 from .flexible import count_independent
 from .gates import sharpened
-from .hypothesis import Hypothesis, peculiar
+from .hypothesis import Hypothesis, anomalous
 from .linearisation import Linearisation
 from .model import Model
 from .ordinary import Ordinary
@@ -30,7 +30,7 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class State:
-    """Ordinary physics, what is peculiar, and their model."""
+    """Ordinary physics, what is anomalous, and their model."""
 
     ordinary: Ordinary
     chosen: tuple[Hypothesis, ...]
@@ -61,7 +61,7 @@ class Weighing:
         shapes: dict[TermKey, int] = {}
         for term in terms:
             shapes[term.key] = shapes.get(term.key, 0) + 1
-        pool = [peculiar(balances, t, among=float(shapes[t.key])) for t in terms]
+        pool = [anomalous(balances, t, among=float(shapes[t.key])) for t in terms]
         return cls(balances=balances, data=data, pool=Pool(data, pool), tell=tell)
 
     def begun(self, bodies: float, chosen: Sequence[Hypothesis] = ()) -> State:

@@ -228,9 +228,9 @@ def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) ->
     seen, believed = finding.evidence, prepared.study.thresholds.diagnosis
     if ordinary:
         return _acts(seen) and seen.validation_gain < 0.0
-    little = seen.beside_others is not None and seen.beside_others < believed.judged
+    little = seen.with_others is not None and seen.with_others < believed.judged
     unsure = seen.interval95[0] < 0.0 and seen.validation_gain < believed.judged
-    by_itself = seen.beside_others is None or finding.gate is not None
+    by_itself = seen.with_others is None or finding.gate is not None
     return _acts(seen) and (little or (by_itself and unsure))
 
 

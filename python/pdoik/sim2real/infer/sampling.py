@@ -72,7 +72,7 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
         if (j,) == term.place.joints or not fit.balances.excited[j]:
             continue
         value, error = lateness(bare, j, term.shape[0])
-        if error < limits.delay_told * delay:
+        if error < limits.delay_given * delay:
             seen.append(value)
     return not seen or float(np.median(seen)) > limits.most_of * delay
 

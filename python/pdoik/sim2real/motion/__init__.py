@@ -9,18 +9,18 @@ from .base_motion import base_motion_of
 from .carried_body import CarriedBody
 from .ceiling import Ceiling, ceiling_of, pile_at
 from .cutoff import chosen_cutoff, noise_of
-from .falling_top import FallingTop, falling_top
 from .feet import FootMotion
 from .flat_top import FlatTop, Torques, flat_top
 from .foot_forces import with_ground
 from .free_rows import directions_of
+from .given_sessions import given_sessions
 from .motion import Motion, motion_of, thinned
 from .motion_noise import ImuNoise
 from .place import Balance, Columns, Gate, Key, Place, Shape, tilt_key
 from .prepare import Prepared, motions_of, prepare, simulated
 from .rigid_body import STANDARD_GRAVITY, RigidBody
 from .signals import derivative, dilated, lagged, noise_density, shifted, zero_phase
-from .told_sessions import told_sessions
+from .speed_torque_limit import SpeedTorqueLimit, speed_torque_limit
 from .turned import torque_turned
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "CarriedBody",
     "Ceiling",
     "Columns",
-    "FallingTop",
     "FlatTop",
     "FootMotion",
     "Gate",
@@ -41,6 +40,7 @@ __all__ = [
     "Prepared",
     "RigidBody",
     "Shape",
+    "SpeedTorqueLimit",
     "Torques",
     "axis_of",
     "base_motion_of",
@@ -50,8 +50,8 @@ __all__ = [
     "derivative",
     "dilated",
     "directions_of",
-    "falling_top",
     "flat_top",
+    "given_sessions",
     "lagged",
     "motion_of",
     "motions_of",
@@ -61,9 +61,9 @@ __all__ = [
     "prepare",
     "shifted",
     "simulated",
+    "speed_torque_limit",
     "thinned",
     "tilt_key",
-    "told_sessions",
     "torque_turned",
     "with_ground",
     "zero_phase",

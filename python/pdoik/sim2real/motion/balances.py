@@ -15,11 +15,11 @@ from pdoik.recordings import FloatArray
 from ..study import ROWS
 from ..thresholds import Thresholds
 from .free_rows import free_rows
+from .given_sessions import given_sessions
 from .motion import Motion
 from .motion_noise import imu_noise, inertial_noise, position_noise
 from .place import Balance, Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
-from .told_sessions import told_sessions
 
 _Name = tuple[str, Place, Shape]  # of a cause, where it acts and its shape
 _NOTHING = 1e-100
@@ -81,7 +81,7 @@ class Balances:
         self.recording = np.repeat(np.arange(len(motions)), counts)
         self.block = self._blocks()
         self.fold = self._folds()
-        self.told = told_sessions([m.setup for m in motions])  # (motions,), None without any
+        self.told = given_sessions([m.setup for m in motions])  # (motions,), None without any
         self.excited = np.array([_excited(motions, j, self.thresholds) for j in range(self.n)])
         self.residual: dict[Key, FloatArray] = {}
         self.mask: dict[Key, NDArray[np.bool_]] = {}

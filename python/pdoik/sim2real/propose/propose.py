@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from pdoik.errors import LoadError
 
-from ..diagnose import Tell, made_ready
+from ..diagnose import Tell, preprocess
 from ..evidence import DIAGNOSIS
 from ..findings import Diagnosis, Finding
 from ..model import FILE_NAME, Model, load_model
@@ -61,7 +61,7 @@ def propose(report: str | File, wishes: Wishes | None = None, tell: Tell | None 
         raise NothingToSettleError(f"no motion would settle what is open: {'; '.join(unsettled)}")
     study = load_study(_study_file(model, wishes))
     with threadpool_limits(limits=1, user_api="blas"):
-        ready = made_ready(study, lambda stage, text, share: say(stage, text, 0.5 * share))
+        ready = preprocess(study, lambda stage, text, share: say(stage, text, 0.5 * share))
         prepared = ready.prepared
         questions = questions_of(findings, prepared)
         say("rivals", f"{len(questions)} questions", 0.1)

@@ -23,8 +23,8 @@ from ..identify import (
     Ordinary,
     Remainder,
     all_else,
+    anomalous,
     expected,
-    peculiar,
     recorded,
     remainder,
 )
@@ -287,7 +287,7 @@ def hypothesis_of(balances: Balances, cause: Cause) -> Hypothesis | None:
         columns=columns,
         prior=np.tile(prior, len(cause.places)),
     )
-    return peculiar(balances, term)
+    return anomalous(balances, term)
 
 
 def _hypotheses(balances: Balances, causes: Sequence[Cause]) -> list[Hypothesis]:

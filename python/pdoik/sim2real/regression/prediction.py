@@ -88,11 +88,11 @@ class Prediction:
             acts = there > _ACTS * max(float(there.mean()), 1e-300)
             acting += float(difference[acts].sum())
             left_there += float(np.sum(without[key][rows][acts] ** 2)) * scale
-        beside_others = acting / max(left_there, 1e-12)
+        with_others = acting / max(left_there, 1e-12)
         if other.sum() > began.sum():  # the rest alone make it worse than it was
             began = other
         seen = share_by_blocks(gained, began, seed)
-        return replace(seen, channels=channels, beside_others=beside_others)
+        return replace(seen, channels=channels, with_others=with_others)
 
 
 def share_by_blocks(gained: FloatArray, began: FloatArray, seed: int) -> Evidence:

@@ -1,4 +1,4 @@
-"""A diagnosis at a glance: what joints share as a matrix, what is peculiar by itself."""
+"""A diagnosis at a glance: what joints share as a matrix, what is anomalous by itself."""
 
 from __future__ import annotations
 

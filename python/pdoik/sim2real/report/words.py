@@ -171,7 +171,7 @@ def changes_words(diagnosis: Diagnosis) -> list[str]:
 
 
 def parted(diagnosis: Diagnosis) -> tuple[list[Finding], list[Finding]]:
-    """Findings that are peculiar to this machine, and those of what every machine has."""
+    """Findings that are anomalous to this machine, and those of what every machine has."""
     parts = {(part.effect, part.joints) for part in diagnosis.ordinary}
     usual = [each for each in diagnosis.findings if (each.effect, each.joints) in parts]
     usual = [each for each in usual if each.gate is None and not each.variant]

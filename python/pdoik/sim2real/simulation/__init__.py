@@ -7,6 +7,7 @@ would do for given commands. Knows nothing of effects or findings.
 from .assemble import HINGE
 from .control import GravityModel
 from .description import Description, nearest, read_description
+from .drift_reset import SHIFTED, TURNED
 from .drive import Drive, combine
 from .inertial import Inertial
 from .laws import (
@@ -28,7 +29,6 @@ from .laws import (
     stribeck,
     viscous_asymmetry,
 )
-from .leash import SHIFTED, TURNED
 from .mjcf import flat_mjcf, mjcf_text, movable_joints, odd_inertias
 from .parts import (
     Coupling,

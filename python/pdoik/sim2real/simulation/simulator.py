@@ -15,7 +15,7 @@ from pdoik.recordings import FloatArray, Recording
 from ..motion import lagged
 from ..study import Controller
 from .control import Control, GravityModel, control_law, longest_control_step, missing_rotor_inertia
-from .leash import LOOKED_EVERY, Leash
+from .drift_reset import LOOKED_EVERY, DriftReset
 from .parts import Part, SensedChannel, Vector
 from .plant import STANDARD_GRAVITY
 from .segments import Segment, measured_state, row_at, run_ends, sampled
@@ -68,7 +68,7 @@ class Simulator:
         plant = self.stepper.plant
         self._armature: FloatArray = plant.model.dof_armature[list(plant.dof)]
         self._added: tuple[str, ...] = ()  # notes on the last replay
-        self.put_back: dict[str, int] = {}  # by joint, how often the last replay's leash did so
+        self.put_back: dict[str, int] = {}  # by joint, how often the last replay put it back
         self._control: Control | None = None
         if controller is not None:
             held = controller.gravity_compensation
@@ -107,7 +107,7 @@ class Simulator:
         q0: FloatArray | None = None,
         dq0: FloatArray | None = None,
         tip: bool | None = None,
-        leash: bool = False,
+        drift_reset: bool = False,
     ) -> Recording:
         """The motion that follows from a recording's commands, on the recording's grid.
 
@@ -123,8 +123,8 @@ class Simulator:
             q0: Measured positions at the start, (n,); the recording's first if None.
             dq0: Measured speeds at the start, (n,); the recording's first if None.
             tip: Whether to give the tip's poses; where the recording has some if None.
-            leash: Put a joint back to the recorded state, alone and at once, where it has strayed
-                by 0.3 rad or 0.1 m, rather than let it run away. `put_back` counts that.
+            drift_reset: Put a joint back to the recorded state, alone and at once, where it has
+                strayed by 0.3 rad or 0.1 m, rather than let it run away. `put_back` counts that.
 
         Returns:
             Channels q, dq, tau as measured (with sensors' gains and skews), tau_cmd, the commands,
@@ -147,7 +147,7 @@ class Simulator:
         duration = float(commands.time[-1])
         ticks = self._commands(commands, drive, np.arange(0.0, duration + 2 * dt, dt * hold))
         ends = run_ends(duration, window, commands.period)
-        held = Leash(stepper, commands.time, q, dq) if leash else None
+        held = DriftReset(stepper, commands.time, q, dq) if drift_reset else None
         segments, first = [], 0
         for end in ends:
             last = max(first + 1, int(np.ceil(end / dt - 1e-6)))
@@ -237,7 +237,7 @@ class Simulator:
         hold: int,
         ticks: list[Any],
         drive: DrivenBy,
-        leash: Leash | None = None,
+        drift_reset: DriftReset | None = None,
     ) -> Segment:
         """Steps from number `first` up to `last`, or to where a joint has strayed."""
         stepper, control = self.stepper, self._control
@@ -254,7 +254,12 @@ class Simulator:
         look = max(1, round(LOOKED_EVERY / dt))
         data.time = first * dt
         for k in range(first, last):
-            if leash is not None and k > first and k % look == 0 and leash.strays(k * dt):
+            if (
+                drift_reset is not None
+                and k > first
+                and k % look == 0
+                and drift_reset.strays(k * dt)
+            ):
                 break
             q, v = qpos.tolist(), qvel.tolist()
             positions += q

@@ -14,7 +14,7 @@ recorded commands. Bases are fixed.
 """
 
 from .base_at_rest import check_base_at_rest
-from .candidates import Knob, baseline, model_with, terms_of
+from .candidates import ParameterId, baseline, model_with, terms_of
 from .climb import Climb
 from .compare import Comparison, compare
 from .differences import differences_of, in_bands
@@ -36,7 +36,7 @@ __all__ = [
     "Comparison",
     "Experiment",
     "Explained",
-    "Knob",
+    "ParameterId",
     "Step",
     "UserModel",
     "at_times_of",

@@ -33,7 +33,7 @@ _CENTRE = ("com_x", "com_y", "com_z")
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Knob:
+class ParameterId:
     """One property of one joint or of the link that it moves; `EVERY` of all joints alike."""
 
     property: str
@@ -45,61 +45,66 @@ class Term:
     """What is taken up or left out as one: a property, or a link's mass with its centre."""
 
     name: str
-    knobs: tuple[Knob, ...]
+    parameter_ids: tuple[ParameterId, ...]
 
     @property
     def indices(self) -> frozenset[int]:
         """Places in the study's joints."""
-        return frozenset(knob.index for knob in self.knobs)
+        return frozenset(parameter_id.index for parameter_id in self.parameter_ids)
 
 
-Values = Mapping[Knob, float]
+Values = Mapping[ParameterId, float]
 
 
 def terms_of(user: UserModel) -> tuple[Term, ...]:
     """All that a user's model can be changed by."""
     n = len(user.joints)
-    found = [Term(name, (Knob(name, k),)) for name in _ALONE for k in range(n)]
-    found += [Term("spring", (Knob("stiffness", k), Knob("spring_torque", k))) for k in range(n)]
-    found += [Term("gains", (Knob("gain_factor", k),)) for k in range(n)]
+    found = [Term(name, (ParameterId(name, k),)) for name in _ALONE for k in range(n)]
+    found += [
+        Term("spring", (ParameterId("stiffness", k), ParameterId("spring_torque", k)))
+        for k in range(n)
+    ]
+    found += [Term("gains", (ParameterId("gain_factor", k),)) for k in range(n)]
     if n > 1:
         shared = (("delay", "delay"), ("gains", "gain_factor"), ("kp", "kp_factor"))
-        found += [Term(name, (Knob(knob, EVERY),)) for name, knob in shared]
+        found += [Term(name, (ParameterId(parameter_id, EVERY),)) for name, parameter_id in shared]
     heavy = [k for k in range(n) if user.model.body_mass[user.body_of(k)] > 0.0]
-    found += [Term("mass", (Knob("mass", k),)) for k in heavy]
+    found += [Term("mass", (ParameterId("mass", k),)) for k in heavy]
     last = [k for k in heavy if not _carries_joints(user, k)]
     loaded = ("mass", *_CENTRE)
-    found += [Term("payload", tuple(Knob(name, k) for name in loaded)) for k in last]
+    found += [Term("payload", tuple(ParameterId(name, k) for name in loaded)) for k in last]
     return tuple(found)
 
 
-def baseline(user: UserModel, knob: Knob) -> float:
+def baseline(user: UserModel, parameter_id: ParameterId) -> float:
     """Its value in the user's model."""
-    return PROPERTIES[knob.property].read(user, knob.index)
+    return PROPERTIES[parameter_id.property].read(user, parameter_id.index)
 
 
 def model_with(user: UserModel, values: Values) -> Any:
     """A copy of the user's mujoco.MjModel with these values, all that follows from them anew."""
     model = copy.copy(user.model)
-    for knob in sorted(values, key=lambda each: _ORDER[each.property]):
-        PROPERTIES[knob.property].write(user, model, knob.index, values[knob])
-    for k in {knob.index for knob in values if knob.property in _CENTRE}:
+    for parameter_id in sorted(values, key=lambda each: _ORDER[each.property]):
+        PROPERTIES[parameter_id.property].write(
+            user, model, parameter_id.index, values[parameter_id]
+        )
+    for k in {parameter_id.index for parameter_id in values if parameter_id.property in _CENTRE}:
         carry_load(user, model, k)
-    if any(knob.property not in ("delay", "filter") for knob in values):
+    if any(parameter_id.property not in ("delay", "filter") for parameter_id in values):
         mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 
 
 def delays_with(user: UserModel, values: Values) -> list[float]:
     """By how much each joint's command acts later, (n,) [s]."""
-    shared = values.get(Knob("delay", EVERY), 0.0)
-    return [shared + values.get(Knob("delay", k), 0.0) for k in range(len(user.joints))]
+    shared = values.get(ParameterId("delay", EVERY), 0.0)
+    return [shared + values.get(ParameterId("delay", k), 0.0) for k in range(len(user.joints))]
 
 
 def filters_with(user: UserModel, values: Values) -> list[float]:
     """Time constant of what smooths each joint's command before the model has it, (n,) [s]."""
     return [
-        0.0 if has_filter(user, actuator) else values.get(Knob("filter", k), 0.0)
+        0.0 if has_filter(user, actuator) else values.get(ParameterId("filter", k), 0.0)
         for k, actuator in enumerate(user.actuators)
     ]
 

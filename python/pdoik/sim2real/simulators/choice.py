@@ -70,13 +70,15 @@ class Choice:
         size = np.sqrt(np.einsum("prc,prc->p", J, J))
         self._like = np.einsum("prc,qrc->pq", J, J) / np.maximum(np.outer(size, size), 1e-300)
         self.terms = tuple(t for t in terms if all(size[i] > 0.0 for i in self.places([t])))
-        peculiar = sum(not self._is_ordinary(term) for term in self.terms)
-        self._peculiar = float(np.log(limits.false_alarms / max(peculiar, 1)))
+        anomalous = sum(not self._is_ordinary(term) for term in self.terms)
+        self._anomalous = float(np.log(limits.false_alarms / max(anomalous, 1)))
         self._usual = float(np.log(limits.differs / (1.0 - limits.differs)))
 
     def places(self, terms: Sequence[Term]) -> list[int]:
         """Parameters of the terms, each once."""
-        found = (self.climb.place[knob] for term in terms for knob in term.knobs)
+        found = (
+            self.climb.place[parameter_id] for term in terms for parameter_id in term.parameter_ids
+        )
         return list(dict.fromkeys(found))
 
     def model(self, terms: Sequence[Term], like: Model | None = None, rounds: int = 40) -> Model:
@@ -99,7 +101,7 @@ class Choice:
 
     def log_odds(self, terms: Sequence[Term]) -> float:
         """Before the data, that all of these differ."""
-        each = (self._usual if self._is_ordinary(term) else self._peculiar for term in terms)
+        each = (self._usual if self._is_ordinary(term) else self._anomalous for term in terms)
         return float(sum(each))
 
     def evidence(self, terms: Sequence[Term]) -> float:
@@ -253,17 +255,20 @@ def is_ordinary(user: UserModel, term: Term) -> bool:
 
     A limit of torque is, where the model has one; few motions reach one that it does not have.
     """
-    if len(term.knobs) > 1 or term.name not in ORDINARY or term.indices == {EVERY}:
+    if len(term.parameter_ids) > 1 or term.name not in ORDINARY or term.indices == {EVERY}:
         return False
-    return term.name != "force_limit" or baseline(user, term.knobs[0]) < UNLIMITED
+    return term.name != "force_limit" or baseline(user, term.parameter_ids[0]) < UNLIMITED
 
 
 def stands_for(one: Term, other: Term) -> bool:
     """Whether a figure of all joints, or of both gains, says what another term says in part."""
-    if one == other or len(one.knobs) != 1 or one.knobs[0].property not in _OF_ALL:
+    if one == other or len(one.parameter_ids) != 1 or one.parameter_ids[0].property not in _OF_ALL:
         return False
     if one.indices != {EVERY} and (
-        one.indices != other.indices or one.knobs[0].property == "delay"
+        one.indices != other.indices or one.parameter_ids[0].property == "delay"
     ):
         return False
-    return all(knob.property in _OF_ALL[one.knobs[0].property] for knob in other.knobs)
+    return all(
+        parameter_id.property in _OF_ALL[one.parameter_ids[0].property]
+        for parameter_id in other.parameter_ids
+    )

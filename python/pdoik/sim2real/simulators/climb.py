@@ -17,7 +17,7 @@ from ..identify import Hypothesis, Linearisation, Model, Series
 from ..motion import Place
 from ..regression import Term, repeats
 from ..simulation import SimulationError
-from .candidates import Knob
+from .candidates import ParameterId
 from .experiment import Experiment
 from .parameters import Parameter
 from .property import EVERY
@@ -43,7 +43,7 @@ class Climb:
         self.experiment, self.parameters = experiment, tuple(parameters)
         self.start = np.array([each.start for each in parameters])
         self.std = np.array([each.std for each in parameters])
-        self.place = {each.knob: i for i, each in enumerate(parameters)}
+        self.place = {each.parameter_id: i for i, each in enumerate(parameters)}
         self.floor = np.array([_FLOORS[channel] for channel, _ in experiment.channels])
         self._trees = np.array(experiment.user.trees())
         self._of_column = self._trees[[k for _, k in experiment.channels]]
@@ -51,16 +51,16 @@ class Climb:
         rows = len(experiment.measured) * min(1.0, experiment.spacing / _FOLLOWS)
         self.rows = np.full(len(experiment.channels), rows)
 
-    def values(self, x: FloatArray) -> dict[Knob, float]:
+    def values(self, x: FloatArray) -> dict[ParameterId, float]:
         """Of the parameters that are not the user's."""
         both = zip(self.parameters, x, strict=True)
-        return {each.knob: each.value(at) for each, at in both if at != each.start}
+        return {each.parameter_id: each.value(at) for each, at in both if at != each.start}
 
-    def x_of(self, values: Mapping[Knob, float]) -> FloatArray:
+    def x_of(self, values: Mapping[ParameterId, float]) -> FloatArray:
         """Coordinates of a candidate."""
         x = self.start.copy()
-        for knob, value in values.items():
-            x[self.place[knob]] = self.parameters[self.place[knob]].x_of(value)
+        for parameter_id, value in values.items():
+            x[self.place[parameter_id]] = self.parameters[self.place[parameter_id]].x_of(value)
         return x
 
     def run(self, x: FloatArray) -> FloatArray:
@@ -122,7 +122,7 @@ class Climb:
             if not np.isfinite(change).all():
                 continue
             for i in group:
-                index = self.parameters[i].knob.index
+                index = self.parameters[i].parameter_id.index
                 mine = index == EVERY or self._of_column == self._trees[index]
                 J[i] = np.where(mine, change, 0.0)
         return J
@@ -132,7 +132,7 @@ class Climb:
         queues: dict[int, list[int]] = {}
         alone = []
         for i in map(int, np.flatnonzero(active)):
-            index = self.parameters[i].knob.index
+            index = self.parameters[i].parameter_id.index
             if index == EVERY:
                 alone.append([i])
             else:
@@ -168,7 +168,9 @@ class Climb:
         best = self.log(x, self.run(x))
         names = ("kp",), ("kv",), ("kp", "kv")
         for some in (*names, *names):
-            mine = [i for i, each in enumerate(self.parameters) if each.knob.property in some]
+            mine = [
+                i for i, each in enumerate(self.parameters) if each.parameter_id.property in some
+            ]
             tried = []
             for k in (k for k in range(-_OCTAVES, _OCTAVES + 1) if k):
                 other = x.copy()
@@ -186,9 +188,9 @@ class Climb:
         """Limits of torque that are not reached show nothing: some below what is used are tried."""
         best = self.log(x, self.run(x))
         for i, each in enumerate(self.parameters):
-            if each.knob.property != "force_limit":
+            if each.parameter_id.property != "force_limit":
                 continue
-            used = self.experiment.largest_torque(self.values(x), each.knob.index)
+            used = self.experiment.largest_torque(self.values(x), each.parameter_id.index)
             for share in _BELOW:
                 other = x.copy()
                 other[i] = each.x_of(share * used)
@@ -234,8 +236,8 @@ def hypothesis(
     """The kernel's, of one parameter with its lines (R, C)."""
     each = np.array([precision])
     term = Term(
-        effect=parameter.knob.property,
-        place=Place(joints=(max(parameter.knob.index, 0),)),
+        effect=parameter.parameter_id.property,
+        place=Place(joints=(max(parameter.parameter_id.index, 0),)),
         shape=(),
         columns={("servo", c): J[:, c][:, None] for c in range(J.shape[1]) if J[:, c].any()},
         prior=each,

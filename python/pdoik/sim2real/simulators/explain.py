@@ -15,15 +15,15 @@ from pdoik.recordings import FloatArray, Recording
 from ..findings import Estimate
 from ..simulation import SimulationError
 from ..thresholds import SimulatorThresholds
-from .candidates import Knob, Term, Values, baseline, terms_of
+from .candidates import ParameterId, Term, Values, baseline, terms_of
 from .choice import Choice, Rival, is_ordinary
 from .climb import Climb, Mask
+from .common_figures import with_common_figures
 from .experiment import Experiment
 from .follows import check_follows
 from .noise import noise_of
 from .parameters import Parameter, parameters_of
 from .scales import scales_of
-from .told_once import told_once
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 
@@ -45,11 +45,11 @@ class Explained:
     user: UserModel
     terms: tuple[Term, ...]  # all that differ, or may
     kept: tuple[Term, ...]  # those that the patch has
-    values: dict[Knob, float]  # of all terms, fitted together
-    patch: dict[Knob, float]  # of those kept, fitted without the others
-    alone: dict[Knob, float]  # of those whose names are believed, fitted without the others
-    parameters: dict[Knob, Parameter]  # of all terms
-    std: dict[Knob, float]  # of their coordinates
+    values: dict[ParameterId, float]  # of all terms, fitted together
+    patch: dict[ParameterId, float]  # of those kept, fitted without the others
+    alone: dict[ParameterId, float]  # of those whose names are believed, fitted without the others
+    parameters: dict[ParameterId, Parameter]  # of all terms
+    std: dict[ParameterId, float]  # of their coordinates
     rivals: dict[Term, tuple[Rival, ...]]
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
     share: dict[Term, float]  # of the squared held-out error that it takes away, where most
@@ -100,17 +100,17 @@ class Explained:
         known = min(self.there(term) / (1.0 + odds), float(expit(log_odds)))
         return min(known, self._differs(term))
 
-    def error_of(self, knob: Knob) -> float:
+    def error_of(self, parameter_id: ParameterId) -> float:
         """Standard error of a coordinate, with its change where what is not sure is left out."""
-        parameter, value = self.parameters[knob], self.values.get(knob)
+        parameter, value = self.parameters[parameter_id], self.values.get(parameter_id)
         if value is None:
-            return self.std.get(knob, 0.0)
-        change = parameter.x_of(self.alone.get(knob, value)) - parameter.x_of(value)
-        return float(np.hypot(self.std.get(knob, 0.0), change))
+            return self.std.get(parameter_id, 0.0)
+        change = parameter.x_of(self.alone.get(parameter_id, value)) - parameter.x_of(value)
+        return float(np.hypot(self.std.get(parameter_id, 0.0), change))
 
-    def estimate(self, knob: Knob, value: float, width: float) -> Estimate:
+    def estimate(self, parameter_id: ParameterId, value: float, width: float) -> Estimate:
         """A figure with its interval, `width` standard errors of its coordinate to either side."""
-        parameter, error = self.parameters[knob], self.error_of(knob)
+        parameter, error = self.parameters[parameter_id], self.error_of(parameter_id)
         x = parameter.x_of(value)
         low, high = (parameter.value(x + side * width * error) for side in (-1.0, 1.0))
         if parameter.kind == "gap":
@@ -119,16 +119,18 @@ class Explained:
             value=value,
             std=error * abs(parameter.slope(x)),
             interval95=(low, high),
-            unit=PROPERTIES[knob.property].unit,
+            unit=PROPERTIES[parameter_id.property].unit,
         )
 
     def _differs(self, term: Term) -> float:
         """Probability that one of its figures lies on that side of the user's."""
         sides = (
-            float(norm.cdf(abs(parameter.x_of(self.values[knob]) - parameter.start) / error))
-            for knob in term.knobs
-            if knob in self.values and (error := self.error_of(knob)) > 0.0
-            for parameter in (self.parameters[knob],)
+            float(
+                norm.cdf(abs(parameter.x_of(self.values[parameter_id]) - parameter.start) / error)
+            )
+            for parameter_id in term.parameter_ids
+            if parameter_id in self.values and (error := self.error_of(parameter_id)) > 0.0
+            for parameter in (self.parameters[parameter_id],)
         )
         return max(sides, default=1.0)  # what rests on a bound has no error
 
@@ -146,7 +148,7 @@ def explain(
 
     What every drive has is fitted together, from short runs in which nothing drifts far. About the
     likeliest candidate, evidence says which properties differ from the user's at all, and what
-    peculiar ones there are beside them; these are fitted again, and judged by held-out data.
+    anomalous ones there are beside them; these are fitted again, and judged by held-out data.
 
     Args:
         user: the model.
@@ -172,7 +174,7 @@ def explain(
         term
         for term in terms
         if is_ordinary(user, term)
-        or (len(term.knobs) == 1 and _moved(climb, x)[climb.place[term.knobs[0]]])
+        or (len(term.parameter_ids) == 1 and _moved(climb, x)[climb.place[term.parameter_ids[0]]])
     )
     choice, chosen, x = _chosen(climb, x, chosen, terms, limits, say, same_step=same_step)
     if not same_step:
@@ -259,8 +261,8 @@ def _moved(climb: Climb, x: FloatArray) -> Mask:
 def _climb(experiment: Experiment, values: Values) -> Climb:
     """All that may be changed, its sizes by a candidate's gains."""
     user = experiment.user
-    knobs = [knob for term in terms_of(user) for knob in term.knobs]
-    return Climb(experiment, parameters_of(user, knobs, scales_of(experiment, values)))
+    parameter_ids = [parameter_id for term in terms_of(user) for parameter_id in term.parameter_ids]
+    return Climb(experiment, parameters_of(user, parameter_ids, scales_of(experiment, values)))
 
 
 def _together(
@@ -275,9 +277,9 @@ def _together(
     values = scan.values(scan.with_gains())
     climb = _climb(experiment, values)
     active = np.zeros(len(climb.start), dtype=bool)
-    active[[climb.place[term.knobs[0]] for term in terms if is_ordinary(user, term)]] = True
+    active[[climb.place[term.parameter_ids[0]] for term in terms if is_ordinary(user, term)]] = True
     begun = Climb(short, climb.parameters)
-    prompt = active & [each.knob.property not in _LATE for each in climb.parameters]
+    prompt = active & [each.parameter_id.property not in _LATE for each in climb.parameters]
     from_afar = begun.x_of(values)
     smooth = begun.to_top(from_afar, prompt, *_BEGIN)
     tried = [begun.to_top(at, active, *_BEGIN) for at in (from_afar, smooth)]
@@ -293,7 +295,7 @@ def _together(
         for shown in (climb.run(climb.start), climb.run(x))
     ]
     say(f"all of every drive fitted together: {left[0]:.2g} of the motion left, now {left[1]:.2g}")
-    return climb, told_once(climb, x)
+    return climb, with_common_figures(climb, x)
 
 
 def _fitted(
@@ -341,7 +343,7 @@ def _shows(
         change: of the motion, (R, C); infinite where the model is unstable without the term.
         noise: of each channel, (C,).
         term: what is judged.
-        values: of its knobs, and of others.
+        values: of its parameter_ids, and of others.
         user: whose model.
         limits: what counts.
     """
@@ -349,9 +351,10 @@ def _shows(
         return np.inf
     seen = np.sqrt(np.mean(change**2, axis=0)) / (limits.shows * noise)
     sizes = [
-        abs(values[knob] - baseline(user, knob)) / (limits.of_step * feigned)
-        for knob in term.knobs
-        if knob in values and (feigned := PROPERTIES[knob.property].feigned(user, knob.index)) > 0.0
+        abs(values[parameter_id] - baseline(user, parameter_id)) / (limits.of_step * feigned)
+        for parameter_id in term.parameter_ids
+        if parameter_id in values
+        and (feigned := PROPERTIES[parameter_id.property].feigned(user, parameter_id.index)) > 0.0
     ]
     return float(min([seen.max(), *sizes]))
 
@@ -405,8 +408,8 @@ def _judged(
         values=values,
         patch=values,
         alone=values,
-        parameters={each.knob: each for each in climb.parameters},
-        std={climb.parameters[i].knob: float(std[i]) for i in choice.places(chosen)},
+        parameters={each.parameter_id: each for each in climb.parameters},
+        std={climb.parameters[i].parameter_id: float(std[i]) for i in choice.places(chosen)},
         rivals={term: choice.rivals(chosen, term) for term in chosen},
         gains=gains,
         share=share,

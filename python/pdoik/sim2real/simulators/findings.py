@@ -11,7 +11,7 @@ from pdoik.recordings import FloatArray
 
 from ..findings import Equivalent, Evidence, Finding, JointFit, Verdict
 from ..thresholds import SimulatorThresholds
-from .candidates import Knob, Term, baseline, model_with
+from .candidates import ParameterId, Term, baseline, model_with
 from .explain import Explained
 from .property import EVERY
 from .user_model import UserModel
@@ -22,7 +22,7 @@ from .vocabulary import PROPERTIES
 class Changed:
     """One property that the patch changes, and its value before."""
 
-    knob: Knob
+    parameter_id: ParameterId
     before: float
     after: float
 
@@ -71,24 +71,28 @@ def _changed(explained: Explained) -> tuple[Changed, ...]:
     """What the patch changes, in words that a file has: shared gains are each joint's own."""
     user, model = explained.user, model_with(explained.user, explained.patch)
     found = {}
-    for knob, value in sorted(explained.patch.items(), key=lambda pair: pair[0]):
-        if knob.property in _GAINS:
-            own = range(len(user.joints)) if knob.index == EVERY else (knob.index,)
-            for mine in (Knob(name, k) for name in _GAINS[knob.property] for k in own):
+    for parameter_id, value in sorted(explained.patch.items(), key=lambda pair: pair[0]):
+        if parameter_id.property in _GAINS:
+            own = range(len(user.joints)) if parameter_id.index == EVERY else (parameter_id.index,)
+            for mine in (
+                ParameterId(name, k) for name in _GAINS[parameter_id.property] for k in own
+            ):
                 after = baseline(replace(user, model=model), mine)
-                found[mine] = Changed(knob=mine, before=baseline(user, mine), after=after)
+                found[mine] = Changed(parameter_id=mine, before=baseline(user, mine), after=after)
         else:
-            found[knob] = Changed(knob=knob, before=baseline(user, knob), after=value)
+            found[parameter_id] = Changed(
+                parameter_id=parameter_id, before=baseline(user, parameter_id), after=value
+            )
     return tuple(found.values())
 
 
-def place_of(user: UserModel, knob: Knob) -> str:
-    """The joint or link that a knob is of, in words."""
-    if knob.index == EVERY:
+def place_of(user: UserModel, parameter_id: ParameterId) -> str:
+    """The joint or link of a parameter, in words."""
+    if parameter_id.index == EVERY:
         return "all joints"
-    if PROPERTIES[knob.property].place == "link":
-        return str(user.model.body(user.body_of(knob.index)).name)
-    return user.joints[knob.index]
+    if PROPERTIES[parameter_id.property].place == "link":
+        return str(user.model.body(user.body_of(parameter_id.index)).name)
+    return user.joints[parameter_id.index]
 
 
 def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> Finding:
@@ -101,19 +105,21 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
     blocks = max(3, explained.blocks - len(explained.values))
     width = float(student.ppf(0.975, blocks))
     parameters = {}
-    for knob in term.knobs:
-        value = values.get(knob, baseline(user, knob))
-        parameters[knob.property] = explained.estimate(knob, value, width)
+    for parameter_id in term.parameter_ids:
+        value = values.get(parameter_id, baseline(user, parameter_id))
+        parameters[parameter_id.property] = explained.estimate(parameter_id, value, width)
     rivals = explained.rivals[term]
-    linked = PROPERTIES[term.knobs[0].property].place == "link"
-    places = tuple(dict.fromkeys(place_of(user, knob) for knob in term.knobs))
+    linked = PROPERTIES[term.parameter_ids[0].property].place == "link"
+    places = tuple(
+        dict.fromkeys(place_of(user, parameter_id) for parameter_id in term.parameter_ids)
+    )
     if term.indices == {EVERY}:
         places = user.joints
     name = places[0] if len(places) == 1 else "all joints"
     said = ", ".join(
-        f"{knob.property} {baseline(user, knob):.3g} -> {parameters[knob.property].value:.3g}"
-        f" {PROPERTIES[knob.property].unit}"
-        for knob in term.knobs
+        f"{each.property} {baseline(user, each):.3g} -> {parameters[each.property].value:.3g}"
+        f" {PROPERTIES[each.property].unit}"
+        for each in term.parameter_ids
     )
     return Finding(
         effect=term.name,
@@ -127,8 +133,8 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
                 effect=each.term.name,
                 **{
                     "links"
-                    if PROPERTIES[each.term.knobs[0].property].place == "link"
-                    else "joints": (place_of(user, each.term.knobs[0]),)
+                    if PROPERTIES[each.term.parameter_ids[0].property].place == "link"
+                    else "joints": (place_of(user, each.term.parameter_ids[0]),)
                 },
             )
             for each in rivals

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from .candidates import Knob, baseline
+from .candidates import ParameterId, baseline
 from .drive_words import UNLIMITED
 from .property import EVERY
 from .scales import Scales
@@ -27,7 +27,7 @@ ORDINARY = (
     "mass",
 )
 """What every machine has otherwise than its model: always fitted together, link masses within
-trust. All else is peculiar: few machines have it."""
+trust. All else is anomalous: few machines have it."""
 
 Kind = Literal["log", "gap", "line"]
 
@@ -40,7 +40,7 @@ class Parameter:
     with x >= 0 of a `gap`, which cannot be negative and may be of any size, scale x of a `line`.
     """
 
-    knob: Knob
+    parameter_id: ParameterId
     kind: Kind
     scale: float
     start: float  # x of the user's value
@@ -65,19 +65,19 @@ class Parameter:
 
 
 def parameters_of(
-    user: UserModel, knobs: Iterable[Knob], scales: Sequence[Scales]
+    user: UserModel, parameter_ids: Iterable[ParameterId], scales: Sequence[Scales]
 ) -> list[Parameter]:
-    """Of knobs, by the size of what the recorded motion takes at their joints."""
-    return [_parameter(user, knob, scales) for knob in dict.fromkeys(knobs)]
+    """Parameters, by the size of what the recorded motion takes at their joints."""
+    return [_parameter(user, parameter_id, scales) for parameter_id in dict.fromkeys(parameter_ids)]
 
 
-def _parameter(user: UserModel, knob: Knob, scales: Sequence[Scales]) -> Parameter:
-    name, value = knob.property, baseline(user, knob)
+def _parameter(user: UserModel, parameter_id: ParameterId, scales: Sequence[Scales]) -> Parameter:
+    name, value = parameter_id.property, baseline(user, parameter_id)
     torque, speed, acceleration, travel = np.max(
         [
             (size.torque, size.speed, size.acceleration, size.travel)
             for k, size in enumerate(scales)
-            if knob.index in (EVERY, k)
+            if parameter_id.index in (EVERY, k)
         ],
         axis=0,
     )
@@ -113,4 +113,4 @@ def _parameter(user: UserModel, knob: Knob, scales: Sequence[Scales]) -> Paramet
         case _:  # a coordinate of a centre of mass
             kind, scale, std = "line", 0.05, 1.0
     at = {"log": 0.0, "gap": float(np.log1p(max(value / scale, 0.0))), "line": value / scale}[kind]
-    return Parameter(knob=knob, kind=kind, scale=float(scale), start=at, std=std)
+    return Parameter(parameter_id=parameter_id, kind=kind, scale=float(scale), start=at, std=std)

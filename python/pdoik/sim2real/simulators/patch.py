@@ -12,7 +12,7 @@ import numpy as np
 
 from pdoik.errors import LoadError
 
-from .candidates import Knob, delays_with, model_with
+from .candidates import ParameterId, delays_with, model_with
 from .mjcf_edit import Tag, edited, tags_of, with_includes
 from .property import EVERY
 from .user_model import UserModel
@@ -37,7 +37,7 @@ class Patch:
     notes: tuple[str, ...] = ()  # what else is not as in the user's file
 
 
-def patched(user: UserModel, values: Mapping[Knob, float]) -> Patch:
+def patched(user: UserModel, values: Mapping[ParameterId, float]) -> Patch:
     """The text with these values: the user's file, or where that is not all of it, one file.
 
     Raises:
@@ -71,7 +71,7 @@ def _texts(user: UserModel) -> Iterator[tuple[str, bool, str]]:
 class _Editor:
     """Collects changes of one text."""
 
-    def __init__(self, user: UserModel, values: Mapping[Knob, float], text: str) -> None:
+    def __init__(self, user: UserModel, values: Mapping[ParameterId, float], text: str) -> None:
         self.user, self.values, self.text = user, values, text
         self.candidate = model_with(user, values)
         self.tags = list(tags_of(text))
@@ -81,9 +81,13 @@ class _Editor:
 
     def patch(self) -> Patch:
         """All of the values, in the text's order of joints."""
-        every = {knob.property for knob in self.values if knob.index == EVERY}
+        every = {
+            parameter_id.property for parameter_id in self.values if parameter_id.index == EVERY
+        }
         for k in range(len(self.user.joints)):
-            mine = {knob.property for knob in self.values if knob.index == k}
+            mine = {
+                parameter_id.property for parameter_id in self.values if parameter_id.index == k
+            }
             self._joint_figures(k, mine)
             if mine & {"kp", "kv", "gain_factor"} or every & {"kp_factor", "gain_factor"}:
                 self._gains(k)
@@ -106,7 +110,7 @@ class _Editor:
 
     def _joint_figures(self, k: int, mine: set[str]) -> None:
         changed: dict[str, str | None] = {
-            name: _number(self._angle(k, self.values[Knob(name, k)], name == "ref"))
+            name: _number(self._angle(k, self.values[ParameterId(name, k)], name == "ref"))
             for name in _OF_JOINT
             if name in mine
         }
@@ -143,7 +147,9 @@ class _Editor:
     def _smoothing(self, k: int, mine: set[str]) -> None:
         """What smooths a drive's commands, and the largest torque that it gives."""
         shown = {
-            name: self.values[Knob(name, k)] for name in ("filter", "force_limit") if name in mine
+            name: self.values[ParameterId(name, k)]
+            for name in ("filter", "force_limit")
+            if name in mine
         }
         if not shown:
             return

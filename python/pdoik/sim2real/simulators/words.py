@@ -27,9 +27,9 @@ def patch_table(step: Step, left_out: Sequence[str]) -> str:
         "| --- | --- | ---: | ---: | --- | --- | --- |",
     ]
     for change in step.changed:
-        kind = PROPERTIES[change.knob.property]
+        kind = PROPERTIES[change.parameter_id.property]
         cells = (
-            place_of(user, change.knob),
+            place_of(user, change.parameter_id),
             kind.mujoco or kind.name,
             f"{change.before:.4g}",
             f"{change.after:.4g}",
@@ -70,7 +70,8 @@ def headline(step: Step) -> str:
 
 def _is_kept(step: Step, finding: Finding) -> bool:
     changed = {
-        (each.knob.property, place_of(step.explained.user, each.knob)) for each in step.changed
+        (each.parameter_id.property, place_of(step.explained.user, each.parameter_id))
+        for each in step.changed
     }
     places = (*finding.joints, *finding.links, "all joints")
     return any((name, place) in changed for name in finding.parameters for place in places)

@@ -87,8 +87,8 @@ def _step(step: Step | None) -> Mapping[str, Any] | None:
         "joints": {name: asdict(fit) for name, fit in step.joints.items()},
         "changed": [
             {
-                "property": each.knob.property,
-                "at": place_of(user, each.knob),
+                "property": each.parameter_id.property,
+                "at": place_of(user, each.parameter_id),
                 "before": each.before,
                 "after": each.after,
             }
@@ -120,7 +120,9 @@ def _page(comparison: Comparison, pictures: list[Picture]) -> str:
     return environment.get_template("compare.html.j2").render(
         comparison=comparison,
         steps=[(headline(each), each) for each in steps],
-        changed=[(place_of(machine.explained.user, each.knob), each) for each in machine.changed]
+        changed=[
+            (place_of(machine.explained.user, each.parameter_id), each) for each in machine.changed
+        ]
         if machine is not None
         else [],
         bands=[f"{low:g} to {high:g} Hz" for low, high in BANDS[:-1]]

@@ -6,8 +6,8 @@ otherwise (what it held, gains, the day); or a `LoadError` that says what was ex
 Next: motion.
 """
 
-from .controller import GAINS, Controller, ToldController, VoltageDrive
-from .controller_key import told_controller
+from .controller import GAINS, Controller, GivenController, VoltageDrive
+from .controller_key import given_controller
 from .excerpts import excerpted
 from .floating_base import FloatingBase, Foot, Ground
 from .key_tables import reference
@@ -25,14 +25,15 @@ __all__ = [
     "Controller",
     "FloatingBase",
     "Foot",
+    "GivenController",
     "Ground",
     "Payload",
     "Setup",
     "Study",
-    "ToldController",
     "Trust",
     "VoltageDrive",
     "excerpted",
+    "given_controller",
     "highest_cutoff",
     "load_study",
     "part",
@@ -40,6 +41,5 @@ __all__ = [
     "reading_of_study",
     "reference",
     "split",
-    "told_controller",
     "trust_from",
 ]

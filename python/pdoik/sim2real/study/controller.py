@@ -57,7 +57,7 @@ class Controller:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ToldController:
+class GivenController:
     """A controller as the study tells it. Arrays are (n,), NaN where nothing is known of a joint.
 
     pd: effort = kp (q_des - q) + kd (dq_des - dq); pid: + ki times the error's integral; cascade: a

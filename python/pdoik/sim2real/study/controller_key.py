@@ -10,12 +10,12 @@ import numpy as np
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray
 
-from .controller import GAINS, Controller, LawType, ToldController
+from .controller import GAINS, Controller, GivenController, LawType
 from .key_tables import LAW, TABLE, VOLTAGE
 from .keys import checked, number, per_joint, vector
 
 
-def told_controller(content: Any, joints: tuple[str, ...]) -> ToldController | None:
+def given_controller(content: Any, joints: tuple[str, ...]) -> GivenController | None:
     """The study's `controller`; None without one.
 
     Raises:
@@ -40,7 +40,7 @@ def told_controller(content: Any, joints: tuple[str, ...]) -> ToldController | N
     gains = {
         name: _partly(mapping.get(name), f"controller: {name}", joints) for name in GAINS[kind]
     }
-    return ToldController(
+    return GivenController(
         type=kind,
         gains={name: each * (1.0 if unit is None else unit) for name, each in gains.items()},
         gravity_compensation=gravity,
@@ -55,7 +55,7 @@ def told_controller(content: Any, joints: tuple[str, ...]) -> ToldController | N
     )
 
 
-def known_controller(told: ToldController | None) -> Controller | None:
+def known_controller(told: GivenController | None) -> Controller | None:
     """The law by which torques can be worked out before anything is estimated; None without one."""
     if told is None or told.type != "pd":
         return None

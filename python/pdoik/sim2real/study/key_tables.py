@@ -243,7 +243,7 @@ TRUST: Keys = {
         "a share",
         "by which masses, centres and inertias may be off, one standard deviation",
         "0.05",
-        "they are exact in figures; a tenth where something peculiar is claimed",
+        "they are exact in figures; a tenth where something anomalous is claimed",
     ),
     "torque": Key("a share", "standard deviation of the torques' scale", "0.01", "0.04"),
 }

@@ -18,7 +18,7 @@ from pdoik.recordings import FloatArray
 from . import keys
 from .check_robot import check_robot
 from .controller import Controller
-from .controller_key import known_controller, told_controller
+from .controller_key import given_controller, known_controller
 from .key_tables import PAYLOAD
 from .keys import Entry
 from .payload import Payload
@@ -176,7 +176,7 @@ def _controller(content: Any, source: str, told: Told) -> Controller | None:
 
 
 def _known(content: Any, joints: tuple[str, ...]) -> Controller | None:
-    return known_controller(told_controller(content, joints))
+    return known_controller(given_controller(content, joints))
 
 
 def _compensated(

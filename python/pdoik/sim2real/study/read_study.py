@@ -24,7 +24,7 @@ from pdoik.recordings import (
 from . import keys as study_keys
 from .base_key import base_from, check_base
 from .check_robot import armatures, check_robot
-from .controller_key import known_controller, told_controller
+from .controller_key import given_controller, known_controller
 from .keys import Entry
 from .read_setup import Told, setups_of
 from .simulator_key import simulator_from
@@ -89,7 +89,7 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     joints, notes = (named, ()) if named is not None else _common_joints(logs, facts)
     notes += () if facts is None else check_robot(facts, joints, tip, floats=floats)
     notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
-    told = told_controller(content.get("controller"), joints)
+    told = given_controller(content.get("controller"), joints)
     rotor_inertia = _rotor_inertia(content.get("rotor_inertia"), joints, facts)
     beside = Told(
         folder=folder,

@@ -10,7 +10,7 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..thresholds import Thresholds
 from .controller import Controller as Controller
-from .controller import ToldController
+from .controller import GivenController
 from .floating_base import FloatingBase
 from .payload import Payload
 from .simulator_file import SimulatorFile
@@ -79,7 +79,7 @@ class Study:
     recordings: tuple[Recording, ...]
     split: str  # how fit and validate were parted, in words
     controller: Controller | None = None  # a law that is known
-    told: ToldController | None = None  # what the study says of one that may not be
+    told: GivenController | None = None  # what the study says of one that may not be
     simulation: tuple[Recording, ...] = ()
     simulator: SimulatorFile | None = None  # the user's own model, of `pdoik compare`
     trust: Trust = field(default_factory=Trust)

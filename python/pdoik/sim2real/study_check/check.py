@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from threadpoolctl import threadpool_limits
 
-from ..diagnose import Tell, made_ready
+from ..diagnose import Tell, preprocess
 from ..infer import source_in_words
 from ..study import Study, load_study
 from ..thresholds import Thresholds
@@ -60,7 +60,7 @@ def check_study(
     if thresholds is not None:
         loaded = replace(loaded, thresholds=thresholds)
     with threadpool_limits(limits=1, user_api="blas"):
-        ready = made_ready(loaded, say)
+        ready = preprocess(loaded, say)
         prepared = ready.prepared
         return StudyCheck(
             recordings=tuple(recording_check(loaded, each) for each in loaded.recordings),

@@ -10,7 +10,7 @@ import numpy as np
 from pdoik.recordings import FloatArray
 
 from ..effects import Effect, Parameter
-from ..identify import Expected, Model, all_else, expected, peculiar, recorded, remainder
+from ..identify import Expected, Model, all_else, anomalous, expected, recorded, remainder
 from ..motion import Key, Place, Prepared, Shape
 from ..regression import Term, usual_torque
 from .amounts import bisected
@@ -71,7 +71,7 @@ class Sizes:
         prior = effect.prior_at(self.balances.motions[0], place, width)
         term = Term(effect=effect.id, place=place, shape=at, columns=columns, prior=prior)
         tried = len(effect.shapes(self.balances.motions, place))
-        cause = peculiar(self.balances, term, among=float(max(tried, 1)))
+        cause = anomalous(self.balances, term, among=float(max(tried, 1)))
         precision = float(np.sum(cause.precision * beta**2))
         model = self._all_else(effect, place)
         return added, expected(model, added, cause, precision, limits)

@@ -45,7 +45,7 @@ class DiagnosisThresholds(Group):
         0.3, "an ordinary part over what nothing explains, from which it is named"
     )
     matters_more: float = threshold(
-        1.0, "the same of a peculiar cause: less is the misfit of another's law"
+        1.0, "the same of an anomalous cause: less is the misfit of another's law"
     )
     matters_common: float = threshold(0.7, "the same of one that many machines have")
     common: float = threshold(
@@ -53,7 +53,7 @@ class DiagnosisThresholds(Group):
     )
     judged: float = threshold(
         0.2,
-        "share of what all else leaves of recordings that only judge, that a peculiar cause must"
+        "share of what all else leaves of recordings that only judge, that an anomalous cause must"
         " explain; of a mismatch, that another source of it must be",
     )
     suspected: float = threshold(0.75, "confidence below which a finding is suspected, not claimed")
@@ -105,7 +105,7 @@ class DiagnosisThresholds(Group):
         "",
         "a standard: 1 %",
     )
-    delay_told: float = threshold(
+    delay_given: float = threshold(
         1 / 3, "share of a delay, below which another joint's error says whether it is late too"
     )
     near_floor: float = threshold(

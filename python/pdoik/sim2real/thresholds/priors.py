@@ -58,7 +58,7 @@ class PriorThresholds(Group):
         0.01, "the same of a gyro's zero", "rad/s", "data sheets of MEMS sensors: 0.1 to 1 degree/s"
     )
     usual_part: float = threshold(
-        0.3, "part of a peculiar cause, as a share of what its balance usually is"
+        0.3, "part of an anomalous cause, as a share of what its balance usually is"
     )
     fixed_error: float = threshold(
         0.15, "standard deviation of a coefficient that is 1 by its meaning"

@@ -23,9 +23,9 @@ from ..identify import (
     Pool,
     Scored,
     Series,
-    fits_beside,
+    anomalous,
+    fits_with,
     ordinary,
-    peculiar,
     serious,
 )
 from ..model import places_of
@@ -203,7 +203,7 @@ class _Weighing:
         found = [
             Scored(other, self.model((*causes, other)).log_posterior - model.log_posterior)
             for other in (each.hypothesis for each in serious(self.pool.scored(model)))
-            if other.key not in taken and fits_beside(other, causes)
+            if other.key not in taken and fits_with(other, causes)
         ]
         return sorted(found, key=lambda each: -each.log_odds)
 
@@ -278,7 +278,7 @@ class CauseSearch:
                     if term is not None:
                         odds = effect.odds if effect.id == Payload.id else Effect.odds
                         odds = np.log(odds / (1.0 - odds)) - np.log(len(shapes))
-                        made = replace(peculiar(rows.balances, term), log_odds=float(odds))
+                        made = replace(anomalous(rows.balances, term), log_odds=float(odds))
                         if effect.id == TorqueGain.id:
                             made = replace(made, precision=np.array([self._limits.watch.gain**-2]))
                         yield rows.weighed(_Changed.of(made, self._before(term)))

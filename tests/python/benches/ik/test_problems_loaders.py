@@ -16,7 +16,7 @@ pytest.importorskip("pinocchio")
 
 import trimesh
 
-from bench.ik.problems.held import told_by_user
+from bench.ik.problems.held import given_by_user
 from bench.ik.problems.judge import Judge
 from bench.ik.problems.loaders import LoaderError, read_problems
 from bench.ik.problems.problem import load, save
@@ -138,7 +138,7 @@ def test_what_the_user_holds_stands_whatever_the_set_says(tmp_path: Path) -> Non
     still = files.standing(problem.held, []).still
     assert still == {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.03}
     with pytest.raises(ValueError, match="no joint 'panda_finger' to hold"):
-        told_by_user(PANDA, {"panda_finger": 0.02})
+        given_by_user(PANDA, {"panda_finger": 0.02})
 
 
 def test_a_robots_other_joints_need_no_hold_where_the_set_tells_them(tmp_path: Path) -> None:

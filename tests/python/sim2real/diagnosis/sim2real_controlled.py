@@ -126,7 +126,7 @@ def run(
 
 
 def swing(
-    *, seed: int, gain: float = 3.0, let_go: float = 6.0, told_volts: float = 12.0
+    *, seed: int, gain: float = 3.0, let_go: float = 6.0, given_volts: float = 12.0
 ) -> dict[str, np.ndarray]:
     """Columns of a voltage-driven pendulum at 200 Hz that lets go at a time.
 
@@ -142,7 +142,7 @@ def swing(
         on = t < let_go
         duty = float(np.clip(gain * (goal[i] - q), -1.0, 1.0)) if on else 0.0
         rows[i] = q, duty
-        motor = 0.5 * told_volts * duty - 0.4 * v if on else 0.0
+        motor = 0.5 * given_volts * duty - 0.4 * v if on else 0.0
         v += STEP * (motor - moment * np.sin(q) - 0.05 * np.tanh(v / 0.01)) / inertia
         q += STEP * v
     every = slice(None, None, 5)
@@ -151,5 +151,5 @@ def swing(
         "q.joint1": rows[every, 0] + 1e-5 * rng.standard_normal(len(time[every])),
         "q_des.joint1": goal[every],
         "duty.joint1": rows[every, 1],
-        "volts": np.full(len(time[every]), told_volts),
+        "volts": np.full(len(time[every]), given_volts),
     }

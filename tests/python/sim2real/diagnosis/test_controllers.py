@@ -28,7 +28,7 @@ from pdoik.sim2real import (
 )
 from pdoik.sim2real.controllers import Feeds, check_controllers, joint_law
 from pdoik.sim2real.motion import prepare
-from pdoik.sim2real.study import Controller, Study, ToldController
+from pdoik.sim2real.study import Controller, GivenController, Study
 from pdoik.sim2real.thresholds import ControllerThresholds
 from sim2real_controlled import Cascade, Law, Pid, Table, run, swing
 
@@ -167,7 +167,7 @@ def study_of(controller: Controller | None = None) -> Study:
 def test_a_wrong_told_gain_is_said_and_not_used() -> None:
     told = Controller(kp=np.array([56.0]), kd=np.array([3.0]))
     found = check_controllers(prepare(study_of(told)))
-    assert found.estimates[0].told_wrong == {"kp": 56.0}
+    assert found.estimates[0].given_wrong == {"kp": 56.0}
     assert "+40 %" in " ".join(found.notes)
     assert found.study.controller is not None
     assert found.study.controller.kp[0] == pytest.approx(40.0, rel=0.01)
@@ -178,19 +178,19 @@ def test_a_gain_is_not_wrong_because_one_recording_has_another() -> None:
     other = run(Pid(kp=56.0, kd=3.0), seed=2)
     recordings = (study.recordings[0], other, study.recordings[2])
     found = check_controllers(prepare(replace(study, recordings=recordings)))
-    assert not found.estimates[0].told_wrong
+    assert not found.estimates[0].given_wrong
     assert found.study.controller is study.controller
 
 
 def test_right_told_gains_are_left_alone() -> None:
     told = Controller(kp=np.array([40.0]), kd=np.array([3.0]))
     found = check_controllers(prepare(study_of(told)))
-    assert not found.estimates[0].told_wrong
+    assert not found.estimates[0].given_wrong
     assert found.study.controller is told
 
 
 def test_gains_that_were_not_told_come_from_the_estimate() -> None:
-    unknown = replace(study_of(), told=ToldController(type="unknown"))
+    unknown = replace(study_of(), told=GivenController(type="unknown"))
     found = check_controllers(prepare(unknown))
     assert found.study.controller is not None
     assert found.study.controller.kp[0] == pytest.approx(40.0, rel=0.01)
@@ -304,7 +304,7 @@ def test_a_voltage_driven_motor_is_found_beside_friction_and_rotor(driven: Diagn
 def test_a_firmware_gain_told_wrong_is_said(driven: Diagnosis) -> None:
     (estimate,) = driven.controllers
     assert estimate.gains["kp"].value == pytest.approx(3.0, rel=0.01)
-    assert estimate.told_wrong == {"kp": 5.0}
+    assert estimate.given_wrong == {"kp": 5.0}
 
 
 def test_controllers_survive_the_json(driven: Diagnosis) -> None:

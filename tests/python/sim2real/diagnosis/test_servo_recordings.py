@@ -81,7 +81,7 @@ def test_a_firmware_gain_told_wrong_is_said_within_a_percent(
 ) -> None:
     keys = {"type": "voltage", "kp": [told], "unit": [UNIT]}
     estimate = controller(study(tmp_path, gain, controller=keys))
-    assert estimate.told_wrong["kp"] == pytest.approx(told * UNIT)
+    assert estimate.given_wrong["kp"] == pytest.approx(told * UNIT)
     assert estimate.gains["kp"].value / UNIT == pytest.approx(gain, rel=0.01)
 
 

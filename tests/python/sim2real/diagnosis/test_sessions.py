@@ -25,7 +25,7 @@ from pdoik.cli.messages import out
 from pdoik.sim2real import Diagnosis, Estimate, Finding, diagnose
 from pdoik.sim2real.effects import CATALOGUE
 from pdoik.sim2real.infer import within_bounds
-from pdoik.sim2real.motion import Balances, Motion, told_sessions
+from pdoik.sim2real.motion import Balances, Motion, given_sessions
 from pdoik.sim2real.regression import Spread, spread_between
 from pdoik.sim2real.report import changes_words, joint_state
 from pdoik.sim2real.study import Setup
@@ -126,11 +126,11 @@ def learnt(b: Balances) -> Estimate:
 
 def test_sessions_are_those_that_the_study_tells_of() -> None:
     setups = [Setup(session=each) for each in ("mon", "", "mon", "tue", "")]
-    told = told_sessions(setups)
+    told = given_sessions(setups)
     assert told is not None
     assert told.tolist() == [0, 1, 0, 2, 1]  # those not told are one
-    assert told_sessions([Setup(), Setup()]) is None
-    assert told_sessions([Setup(session="mon"), Setup(session="mon")]) is None
+    assert given_sessions([Setup(), Setup()]) is None
+    assert given_sessions([Setup(session="mon"), Setup(session="mon")]) is None
 
 
 def test_spread_and_mean_are_those_of_the_days() -> None:

@@ -27,8 +27,8 @@ def test_a_soft_joint_is_named_where_nobody_tells_its_controller(tmp_path: Path)
     assert found.joints == tuple(fault["joints"])
     low, high = found.parameters["stiffness"].interval95
     assert low < fault["parameters"]["stiffness"] < high
-    assert found.evidence.beside_others is not None
-    assert found.evidence.beside_others > 0.2
+    assert found.evidence.with_others is not None
+    assert found.evidence.with_others > 0.2
 
 
 def test_what_shakes_a_joint_is_no_noise_of_its_sensors(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Diagnosis, Recording, Study, diagnose
 from pdoik.sim2real.effects import CATALOGUE, parts_of
-from pdoik.sim2real.motion import falling_top
+from pdoik.sim2real.motion import speed_torque_limit
 from pdoik.sim2real.simulation import Drive, DriveChange, combine
 from sim2real_effect_studies import named
 from sim2real_recordings import even_recording
@@ -161,14 +161,16 @@ def test_a_line_is_a_line_only_where_it_falls(slope: float) -> None:
     most = np.maximum(10.0 + slope * np.sign(asked) * speed, 0.0)
     given = np.sign(asked) * np.minimum(np.abs(asked), most)
     given += 0.02 * np.random.default_rng(0).standard_normal(len(time))
-    top = falling_top([(given, asked, np.ones(len(time), dtype=bool), 0.005)], [speed])
+    top = speed_torque_limit([(given, asked, np.ones(len(time), dtype=bool), 0.005)], [speed])
     if slope == 0.0:
         assert top is None
     else:
         assert top is not None
         assert top.stall_torque == pytest.approx(10.0, rel=0.01)
         assert top.no_load_speed == pytest.approx(10.0 / -slope, rel=0.03)
-    gain = falling_top([(0.8 * asked, asked, np.ones(len(time), dtype=bool), 0.005)], [speed])
+    gain = speed_torque_limit(
+        [(0.8 * asked, asked, np.ones(len(time), dtype=bool), 0.005)], [speed]
+    )
     assert gain is None
 
 

@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify import Posterior, estimates, peculiar
+from pdoik.sim2real.identify import Posterior, anomalous, estimates
 from pdoik.sim2real.motion import Balances, Place
 from pdoik.sim2real.regression import term_of
 from sim2real_identified import BODIES
@@ -44,7 +44,7 @@ def repeated(folder: Path, colour: float) -> tuple[np.ndarray, np.ndarray, np.nd
         beside = posterior.fit_of(posterior.begun(BODIES).model)
         term = term_of(b, spring, joint, (1.0, 0.45))
         assert term is not None
-        moved_on = posterior.reshaped(beside, peculiar(b, term))
+        moved_on = posterior.reshaped(beside, anomalous(b, term))
         fit = posterior.fit_of(posterior.begun(BODIES, [moved_on]).model)
         row = []
         for effect, names in (

@@ -94,6 +94,6 @@ def test_bodies_stay_where_they_are_while_a_cause_is_judged(tmp_path: Path) -> N
 def test_a_cause_says_how_much_of_what_all_else_leaves_it_explains(tmp_path: Path) -> None:
     diagnosis = told(study(tmp_path, several, runs=4, held=2))
     spring = next(e for e in diagnosis.findings if e.effect == "position_dependent_spring")
-    assert spring.evidence.beside_others is not None
-    assert 0.9 < spring.evidence.beside_others <= 1.0
-    assert spring.evidence.validation_gain < spring.evidence.beside_others
+    assert spring.evidence.with_others is not None
+    assert 0.9 < spring.evidence.with_others <= 1.0
+    assert spring.evidence.validation_gain < spring.evidence.with_others

@@ -18,9 +18,9 @@ from pdoik.sim2real.identify import (
     Linearisation,
     Model,
     Pool,
+    anomalous,
     count_independent,
     ordinary,
-    peculiar,
 )
 from pdoik.sim2real.motion import Balances, Gate, Motion, Place
 from pdoik.sim2real.regression import Term, term_of
@@ -173,7 +173,7 @@ def test_a_cause_is_as_large_as_a_share_of_what_its_joint_bears(arm: Motion) -> 
     late = replace(place, gate=Gate(of="time", low=25.0, high=35.0))
     spring = made(b, "position_dependent_spring", place, (1.0, 0.5))
     for each in (spring, made(b, "viscous_friction", place), made(b, "viscous_friction", late)):
-        hypothesis = peculiar(b, each)
+        hypothesis = anomalous(b, each)
         column = each.columns[key][b.mask[key], 0]
         acting = column[column != 0.0]
         part = np.sqrt(np.mean(acting**2) / hypothesis.precision[0])
@@ -187,13 +187,13 @@ def test_odds_are_shared_by_all_that_was_looked_at(arm: Motion) -> None:
     b, place = left(arm, 0.0), Place(joints=(0,))
     rubs = made(b, "viscous_friction", place)
     odds = CATALOGUE["viscous_friction"].odds
-    assert peculiar(b, rubs).log_odds == pytest.approx(np.log(odds / (1.0 - odds)))
-    assert peculiar(b, rubs).log_odds - peculiar(b, rubs, among=40.0).log_odds == pytest.approx(
+    assert anomalous(b, rubs).log_odds == pytest.approx(np.log(odds / (1.0 - odds)))
+    assert anomalous(b, rubs).log_odds - anomalous(b, rubs, among=40.0).log_odds == pytest.approx(
         np.log(40.0)
     )
     effect = CATALOGUE["unknown"]
     by_code = {shape[0]: shape for shape in effect.shapes(b.motions, place)}
-    one, two = (peculiar(b, made(b, "unknown", place, by_code[code])) for code in (0.0, 4.0))
+    one, two = (anomalous(b, made(b, "unknown", place, by_code[code])) for code in (0.0, 4.0))
     assert two.log_odds - one.log_odds == effect.log_prior(by_code[4.0]) < -1.0
     assert ordinary(rubs, 2.0).log_odds == 0.0
 
@@ -203,10 +203,10 @@ def test_bodies_are_believed_by_their_links_and_tilts_by_what_bases_have(arm: Mo
     for effect in ("payload", "link_inertial_error"):
         body = made(b, effect, Place(link=1))
         assert (body.prior > 0.0).all()
-        assert np.array_equal(peculiar(b, body).precision, body.prior)
+        assert np.array_equal(anomalous(b, body).precision, body.prior)
     level, any_way = (made(b, "gravity_direction", Place(), shape) for shape in ((), (1.0,)))
-    assert peculiar(b, any_way).precision == pytest.approx(np.ones(3))
-    assert (peculiar(b, level).precision > 50.0).all()
+    assert anomalous(b, any_way).precision == pytest.approx(np.ones(3))
+    assert (anomalous(b, level).precision > 50.0).all()
 
 
 def test_what_is_one_by_meaning_is_believed_to_be_one(tmp_path: Path) -> None:
@@ -214,7 +214,7 @@ def test_what_is_one_by_meaning_is_believed_to_be_one(tmp_path: Path) -> None:
     place = Place(joints=(1,))
     shape = CATALOGUE["command_delay"].shapes(b.motions, place)[0]
     late = made(b, "command_delay", place, shape)
-    hypothesis = peculiar(b, late)
+    hypothesis = anomalous(b, late)
     assert hypothesis.mean == [1.0]
     assert hypothesis.precision == pytest.approx(b.thresholds.priors.fixed_error**-2)
     assert hypothesis.term is late

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real.effects import CATALOGUE
-from pdoik.sim2real.identify import Hypothesis, Pool, Posterior, State, peculiar
+from pdoik.sim2real.identify import Hypothesis, Pool, Posterior, State, anomalous
 from pdoik.sim2real.motion import Balances, Gate, Place, prepare
 from pdoik.sim2real.regression import TermKey, term_of
 from sim2real_known_causes import RIGHT, RUBS, SEVERAL, few_steps, several, study
@@ -42,7 +42,7 @@ def cause(posterior: Posterior, effect: str, j: int, code: float | None = None) 
     shape = next(s for s in shapes if code is None or s[0] == code)
     term = term_of(b, CATALOGUE[effect], place, shape)
     assert term is not None
-    return peculiar(b, term)
+    return anomalous(b, term)
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +172,7 @@ def test_a_cause_is_the_same_wherever_its_part_ends(mixed: Balances) -> None:
         effect = CATALOGUE["viscous_friction"]
         term = term_of(mixed, effect, place, effect.shapes(mixed.motions, place)[0])
         assert term is not None
-        return peculiar(mixed, term)
+        return anomalous(mixed, term)
 
     assert part(-0.4).key == part(0.0).key
     assert part(0.0).key != part(0.0, "time").key

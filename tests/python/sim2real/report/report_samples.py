@@ -14,7 +14,7 @@ JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1")
 NOISE = np.array([0.35, 0.40, 0.22, 0.06])  # [N m]
 LOADS = np.array([0.0, 38.0, 14.0, 1.5])  # torque of gravity at the horizontal [N m]
 LEVEL, VISCOUS, MASS = 2.1, 1.4, 1.3  # [N m], [N m s/rad] at the elbow; [kg] at the tip
-LEVERS = np.array([0.0, 8.1, 5.0, 1.2])  # [N m/kg] of the payload
+DISPLACEMENT_BOUNDS = np.array([0.0, 8.1, 5.0, 1.2])  # [N m/kg] of the payload
 CUTOFFS = np.array([4.0, 8.0, 15.0, 30.0])
 
 
@@ -47,7 +47,7 @@ def traces(
     q, dq = motion(rng, time, joints)
     kind = np.arange(joints) % 4
     load = LOADS[kind] * np.cos(q)
-    cause = MASS * LEVERS[kind] * np.cos(q)
+    cause = MASS * DISPLACEMENT_BOUNDS[kind] * np.cos(q)
     cause += (kind == 2) * (LEVEL * np.tanh(dq / 0.01) + VISCOUS * dq)
     after = NOISE[kind] * coloured(rng, q.shape, 0.008) + 0.012 * cause
     before = cause + after

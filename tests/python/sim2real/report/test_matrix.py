@@ -1,4 +1,4 @@
-"""What the command line says of a diagnosis: what joints share, what is peculiar, in few lines."""
+"""What the command line says of a diagnosis: what joints share, what is anomalous, in few lines."""
 
 from __future__ import annotations
 

@@ -44,14 +44,14 @@ def test_a_joint_that_a_recorded_torque_drives_away_is_put_back() -> None:
     recorded = Simulator(arm_urdf(2), joints, pd(900.0, 60.0, 2), rotors, truth).replay(run)
     bare = Simulator(arm_urdf(2), joints, rotor_inertia=np.array([0.1, 0.0]))
     off = {
-        held: np.abs(bare.replay(recorded, leash=held).q - recorded.q).max(axis=0)
+        held: np.abs(bare.replay(recorded, drift_reset=held).q - recorded.q).max(axis=0)
         for held in (False, True)
     }
     assert off[False][1] > 1.0
     assert 0.25 < off[True].max() < 0.6  # 0.3 rad, and what 4 ms more make of it
     assert bare.put_back["joint2"] > 2 * bare.put_back.get("joint1", 0)  # which it pulls along
     known = Simulator(arm_urdf(2), joints, rotor_inertia=rotors, parts=truth)
-    held = known.replay(recorded, leash=True)
+    held = known.replay(recorded, drift_reset=True)
     assert known.put_back == {}
     np.testing.assert_array_equal(held.q, known.replay(recorded).q)
 

@@ -24,7 +24,7 @@ from pdoik.errors import LoadError
 from pdoik.sim2real import Recording, Thresholds, load_study
 from pdoik.sim2real.simulators import (
     Experiment,
-    Knob,
+    ParameterId,
     at_times_of,
     check_base_at_rest,
     differences_of,
@@ -285,19 +285,22 @@ def test_of_a_real_quadruped_the_patch_halves_what_the_makers_own_figures_leave(
     assert user is not None
     found = explain(user, study.fit, study.validate, LIMITS)
     makers = {
-        Knob(name, k): value
+        ParameterId(name, k): value
         for k in range(3)
         for name, value in (("damping", 0.6), ("frictionloss", 0.2), ("armature", 0.01))
     }
     judge = Experiment(user, study.validate)
 
-    def rms(values: dict[Knob, float]) -> float:
+    def rms(values: dict[ParameterId, float]) -> float:
         return float(np.sqrt(np.mean((judge.measured - judge.run(values)) ** 2)))
 
     as_it_is, told, ours = rms({}), rms(makers), rms(found.patch)
     assert ours < 0.5 * as_it_is
     assert ours < told
-    assert any(knob.property == "frictionloss" and v > 0.05 for knob, v in found.patch.items())
+    assert any(
+        parameter_id.property == "frictionloss" and v > 0.05
+        for parameter_id, v in found.patch.items()
+    )
 
 
 def test_included_files_are_patched_in_one_file(tmp_path: Path) -> None:

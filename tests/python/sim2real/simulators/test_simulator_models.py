@@ -18,7 +18,7 @@ from pdoik.sim2real import Controller, SimulationError, Simulator, Study, Thresh
 from pdoik.sim2real.simulators import (
     Climb,
     Experiment,
-    Knob,
+    ParameterId,
     UserModel,
     baseline,
     description_of,
@@ -57,25 +57,31 @@ def test_runs_are_those_of_mujoco_itself() -> None:
 def test_lines_are_differences_of_models() -> None:
     """Half a step and a fifth of another way, against lines that were laid by one step forward."""
     experiment = Experiment(user(), [log(4.0, 3)])
-    knobs = [knob for term in terms_of(user()) for knob in term.knobs]
-    climb = Climb(experiment, parameters_of(user(), knobs, scales_of(experiment, {})))
+    parameter_ids = [
+        parameter_id for term in terms_of(user()) for parameter_id in term.parameter_ids
+    ]
+    climb = Climb(experiment, parameters_of(user(), parameter_ids, scales_of(experiment, {})))
     shown = climb.run(climb.start)
     J = climb.lines(climb.start, shown, np.ones(len(climb.start), dtype=bool))
     for i, parameter in enumerate(climb.parameters):
         if not J[i].any():
-            assert parameter.knob.property == "force_limit"
+            assert parameter.parameter_id.property == "force_limit"
             continue
         step = np.zeros(len(climb.start))
         step[i] = 2e-3
         change = climb.run(climb.start + step) - shown
         error = np.abs(change - 2e-3 * J[i]).max()
-        assert error < 0.1 * np.abs(change).max() + 1e-9, parameter.knob
+        assert error < 0.1 * np.abs(change).max() + 1e-9, parameter.parameter_id
 
 
 def test_coordinates_give_the_users_values_and_back() -> None:
-    knobs = [knob for term in terms_of(user()) for knob in term.knobs]
-    for each in parameters_of(user(), knobs, scales_of(Experiment(user(), [log(4.0, 3)]), {})):
-        value = baseline(user(), each.knob)
+    parameter_ids = [
+        parameter_id for term in terms_of(user()) for parameter_id in term.parameter_ids
+    ]
+    for each in parameters_of(
+        user(), parameter_ids, scales_of(Experiment(user(), [log(4.0, 3)]), {})
+    ):
+        value = baseline(user(), each.parameter_id)
         if value < 1e8:  # a limit that is there
             assert each.value(each.start) == pytest.approx(value, rel=1e-12, abs=1e-12)
         x = each.start + 0.3
@@ -98,21 +104,21 @@ def test_trees_that_do_not_touch_are_turned_together() -> None:
 
 
 VALUES = {
-    Knob("damping", 0): 0.9,
-    Knob("frictionloss", 1): 0.55,
-    Knob("armature", 2): 0.02,
-    Knob("kp", 0): 101.0,
-    Knob("kp", 1): 70.0,
-    Knob("kv", 2): 0.5,
-    Knob("ref", 1): 0.05,
-    Knob("mass", 1): 1.3,
-    Knob("mass", 2): 0.5,
-    Knob("com_x", 2): 0.07,
-    Knob("stiffness", 0): 3.0,
-    Knob("spring_torque", 0): -1.2,
-    Knob("kp_factor", -1): 0.9,
-    Knob("gain_factor", -1): 0.8,
-    Knob("gain_factor", 1): 0.7,
+    ParameterId("damping", 0): 0.9,
+    ParameterId("frictionloss", 1): 0.55,
+    ParameterId("armature", 2): 0.02,
+    ParameterId("kp", 0): 101.0,
+    ParameterId("kp", 1): 70.0,
+    ParameterId("kv", 2): 0.5,
+    ParameterId("ref", 1): 0.05,
+    ParameterId("mass", 1): 1.3,
+    ParameterId("mass", 2): 0.5,
+    ParameterId("com_x", 2): 0.07,
+    ParameterId("stiffness", 0): 3.0,
+    ParameterId("spring_torque", 0): -1.2,
+    ParameterId("kp_factor", -1): 0.9,
+    ParameterId("gain_factor", -1): 0.8,
+    ParameterId("gain_factor", 1): 0.7,
 }
 
 
@@ -148,7 +154,7 @@ def test_a_patched_file_is_the_candidate_and_otherwise_as_it_was() -> None:
 def test_a_damping_ratio_keeps_the_gains_that_it_had() -> None:
     """MuJoCo works them out from the inertias, which the patch changes."""
     ratio = user_model(MJCF.replace('kp="80" kv="3"', 'kp="80" dampratio="1"'), JOINTS)
-    values = {Knob("armature", 0): 0.2}
+    values = {ParameterId("armature", 0): 0.2}
     text = patched(ratio, values).text
     model = mujoco.MjSpec.from_string(text).compile()
     np.testing.assert_allclose(
@@ -166,8 +172,10 @@ def test_a_load_brings_the_inertia_of_a_body_that_is_welded_on() -> None:
     model, k = user().model, user().body_of(2)
     mass, centre = float(model.body_mass[k]), model.body_ipos[k]
     together = (mass * centre + load * at) / (mass + load)
-    values = {Knob("mass", 2): mass + load}
-    values |= {Knob(f"com_{axis}", 2): float(x) for axis, x in zip("xyz", together, strict=True)}
+    values = {ParameterId("mass", 2): mass + load}
+    values |= {
+        ParameterId(f"com_{axis}", 2): float(x) for axis, x in zip("xyz", together, strict=True)
+    }
     candidate = model_with(user(), values)
     for q in ([0.3, -0.6, 0.9], [1.2, 0.4, -1.1]):
         found = []
@@ -226,7 +234,7 @@ def test_held_torques_are_those_of_a_loop_that_reads_and_holds(tmp_path: Path) -
 
 def test_a_patched_file_moves_as_the_candidate() -> None:
     recording = log(4.0, 7)
-    values = {**VALUES, Knob("delay", 0): 0.006}
+    values = {**VALUES, ParameterId("delay", 0): 0.006}
     again = user_model(patched(user(), values).text, JOINTS)
     ours, theirs = simulated(user(), recording, values), simulated(again, recording, {})
     assert np.abs(ours.q - simulated(user(), recording, {}).q).max() > 0.05

@@ -17,7 +17,7 @@ from pdoik.sim2real import Thresholds
 from pdoik.sim2real.simulators import (
     Experiment,
     Explained,
-    Knob,
+    ParameterId,
     Step,
     UserModel,
     explain,
@@ -117,7 +117,11 @@ def test_what_is_named_is_what_the_machine_has() -> None:
 
 
 def test_a_smoothed_and_limited_drive_is_patched_in_mujocos_words() -> None:
-    values = {Knob("filter", 0): 0.08, Knob("force_limit", 0): 1.7, Knob("damping", 0): 0.6}
+    values = {
+        ParameterId("filter", 0): 0.08,
+        ParameterId("force_limit", 0): 1.7,
+        ParameterId("damping", 0): 0.6,
+    }
     patch = patched(user(), values)
     assert not patch.left_out
     assert 'timeconst="0.07' in patch.text  # the rest is the step between filter and force
@@ -135,19 +139,19 @@ def test_a_general_actuator_gets_a_filter_of_its_own() -> None:
         '<general name="servo" joint="joint" gainprm="8" biastype="affine" biasprm="0 -8 -0.05"/>',
     )
     model = user_model(general, ("joint",))
-    text = patched(model, {Knob("filter", 0): 0.05, Knob("force_limit", 0): 2.5}).text
+    text = patched(model, {ParameterId("filter", 0): 0.05, ParameterId("force_limit", 0): 2.5}).text
     compiled = mujoco.MjSpec.from_string(text).compile()
     assert compiled.actuator_dyntype[0] == int(mujoco.mjtDyn.mjDYN_FILTEREXACT)
     assert compiled.actuator_dynprm[0, 0] == pytest.approx(0.05 - 0.001, abs=1e-4)
     assert compiled.actuator_forcelimited[0]
     own = user_model(text, ("joint",))
-    assert model_with(own, {Knob("filter", 0): 0.02}).actuator_dynprm[0, 0] == 0.02
+    assert model_with(own, {ParameterId("filter", 0): 0.02}).actuator_dynprm[0, 0] == 0.02
 
 
 def test_a_filter_has_seen_what_came_before_a_run() -> None:
     """Runs that begin in the midst of a motion, against one that begins at its start."""
     log = machine(6.0, 7, "fit")
-    values = {Knob("filter", 0): 0.1, Knob("delay", 0): 0.02}
+    values = {ParameterId("filter", 0): 0.1, ParameterId("delay", 0): 0.02}
     shown = simulated(user(), log, values)
     q = np.zeros_like(shown.q)
     q[:] = shown.q

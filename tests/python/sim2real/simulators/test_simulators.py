@@ -30,7 +30,7 @@ def step_with(
     fit = log(12.0, 1, change, delay=delay)
     judge = log(7.0, 2, change, name="judge.csv", role="validate", delay=delay)
     found = explain(of or user(), [fit], [judge], LIMITS)
-    told = {knob for term in found.kept for knob in term.knobs}
+    told = {parameter_id for term in found.kept for parameter_id in term.parameter_ids}
     assert set(found.patch) <= told, "the patch changes what nothing is said of"
     return step_of(found, "machine", LIMITS)
 
@@ -112,7 +112,7 @@ def test_gains_that_are_all_off_alike_are_one_finding() -> None:
     (finding,) = step.findings
     assert (finding.effect, finding.joints) == ("kp", JOINTS)
     assert finding.parameters["kp_factor"].value == pytest.approx(0.8, abs=0.01)
-    changed = {each.knob.index: each.after for each in step.changed}
+    changed = {each.parameter_id.index: each.after for each in step.changed}
     assert changed == pytest.approx({0: 96.0, 1: 64.0, 2: 12.0}, rel=0.02)
 
 
@@ -122,7 +122,7 @@ def test_drives_four_times_weaker_than_told_are_one_finding() -> None:
     (finding,) = step.findings
     assert (finding.effect, finding.joints) == ("gains", JOINTS)
     assert finding.parameters["gain_factor"].value == pytest.approx(0.25, abs=0.01)
-    changed = {(c.knob.property, c.knob.index): c.after for c in step.changed}
+    changed = {(c.parameter_id.property, c.parameter_id.index): c.after for c in step.changed}
     kp = {("kp", k): 0.25 * gain for k, gain in enumerate((120.0, 80.0, 15.0))}
     kv = {("kv", k): 0.25 * gain for k, gain in enumerate((4.0, 3.0, 0.3))}
     assert changed == pytest.approx(kp | kv, rel=0.04)
@@ -141,7 +141,7 @@ def test_gains_that_nobody_looked_up_are_found_from_far_away() -> None:
     ):
         stiff = stiff.replace(told, mistaken)
     step = step_with(None, of=user_model(stiff, JOINTS, name="stiff.xml"))
-    changed = {(c.knob.property, c.knob.index): c.after for c in step.changed}
+    changed = {(c.parameter_id.property, c.parameter_id.index): c.after for c in step.changed}
     for k, (kp, kv) in enumerate(((120.0, 4.0), (80.0, 3.0), (15.0, 0.3))):
         assert changed["kp", k] == pytest.approx(kp, rel=0.05)
         assert changed["kv", k] == pytest.approx(kv, rel=0.25)
@@ -162,7 +162,7 @@ def test_far_gains_of_a_machine_with_one_drive_are_its_own() -> None:
     )
     found = explain(user_model(told, ("shoulder",), name="pendulum.xml"), [fit], [judge], LIMITS)
     step = step_of(found, "machine", LIMITS)
-    changed = {c.knob.property: c.after for c in step.changed}
+    changed = {c.parameter_id.property: c.after for c in step.changed}
     assert {each.effect for each in step.findings} <= {"gains", "kp", "kv"}
     assert changed["kp"] == pytest.approx(120.0, rel=0.05)
     assert changed["kv"] == pytest.approx(4.0, rel=0.25)

@@ -12,7 +12,7 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 from command_line import run
 from pdoik.errors import LoadError
 from pdoik.recordings import Keys, units_from
-from pdoik.sim2real.study import GAINS, read_part, told_controller, trust_from
+from pdoik.sim2real.study import GAINS, given_controller, read_part, trust_from
 from pdoik.sim2real.study import key_tables as tables  # inside: the tables are tested whole
 
 
@@ -49,7 +49,7 @@ def test_examples_of_a_controller_are_one(kind: str) -> None:
         name: value[:1] if isinstance(value, list) and name != "table" else value
         for name, value in content.items()
     }
-    told = told_controller({**content, "type": kind}, ("j1",))
+    told = given_controller({**content, "type": kind}, ("j1",))
     assert told is not None
     assert told.type == kind
     assert set(told.gains) == set(GAINS[kind])

@@ -14,7 +14,7 @@ from .torque_saturation import (
     kinds,
     top_of,
 )
-from .torque_speed_limit import TorqueSpeedLimit, falling_top_of
+from .torque_speed_limit import TorqueSpeedLimit, speed_torque_limit_of
 
 __all__ = [
     "OF_BOTH",
@@ -31,9 +31,9 @@ __all__ = [
     "TorqueOffset",
     "TorqueSaturation",
     "TorqueSpeedLimit",
-    "falling_top_of",
     "is_cut",
     "kinds",
     "period_of",
+    "speed_torque_limit_of",
     "top_of",
 ]

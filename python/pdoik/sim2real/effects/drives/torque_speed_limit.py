@@ -8,7 +8,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from ...motion import Columns, FallingTop, Motion, Place, Shape, falling_top
+from ...motion import Columns, Motion, Place, Shape, SpeedTorqueLimit, speed_torque_limit
 from ...simulation import DriveChange, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
@@ -51,7 +51,7 @@ class TorqueSpeedLimit(Effect):
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
         """The line that torques keep to where more is asked for."""
         (j,) = place.joints
-        tops = [(kind, falling_top_of(motions, j, kind)) for kind in kinds(motions[0], j)]
+        tops = [(kind, speed_torque_limit_of(motions, j, kind)) for kind in kinds(motions[0], j)]
         return [
             (kind, top.stall_torque, top.no_load_speed) for kind, top in tops if top is not None
         ]
@@ -105,7 +105,7 @@ class TorqueSpeedLimit(Effect):
 
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether what is given keeps to such a line."""
-        top = falling_top_of(motions, place.joints[0], shape[0])
+        top = speed_torque_limit_of(motions, place.joints[0], shape[0])
         if top is None:
             return False
         near = (shape[1] / top.stall_torque, shape[2] / top.no_load_speed)
@@ -129,10 +129,12 @@ class TorqueSpeedLimit(Effect):
         return f"high torque along fast motion of {where}"
 
 
-def falling_top_of(motions: Sequence[Motion], j: int, kind: float) -> FallingTop | None:
+def speed_torque_limit_of(
+    motions: Sequence[Motion], j: int, kind: float
+) -> SpeedTorqueLimit | None:
     """The line that joint j's torque keeps to where a command or the law asks for more."""
     pairs = [(given_of(m, j, kind), asked_of(m, j, kind), m.valid, m.period) for m in motions]
     if not all(np.isfinite(given).all() and np.isfinite(asked).all() for given, asked, *_ in pairs):
         return None
     speeds = [m.dq[:, j] for m in motions]
-    return falling_top(pairs, speeds, motions[0].thresholds.limits)
+    return speed_torque_limit(pairs, speeds, motions[0].thresholds.limits)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..study import Setup
 
 
-def told_sessions(setups: Sequence[Setup]) -> NDArray[np.intp] | None:
+def given_sessions(setups: Sequence[Setup]) -> NDArray[np.intp] | None:
     """Number of each recording's session, (recordings,); None where fewer than two are told.
 
     Recordings of which the study tells no session are of one session.

@@ -9,7 +9,7 @@ import numpy as np
 
 from pdoik.recordings import FloatArray
 
-from .candidates import Knob
+from .candidates import ParameterId
 from .climb import Climb
 from .property import EVERY
 
@@ -17,18 +17,20 @@ from .property import EVERY
 class _Figures:
     """Values of all parameters, and what they are over the user's where these are not zero."""
 
-    def __init__(self, values: Mapping[Knob, float], ratios: Mapping[Knob, float]) -> None:
+    def __init__(
+        self, values: Mapping[ParameterId, float], ratios: Mapping[ParameterId, float]
+    ) -> None:
         self.values, self.ratios = values, ratios
 
-    def of(self, name: str) -> dict[Knob, float]:
+    def of(self, name: str) -> dict[ParameterId, float]:
         """Of each joint's own."""
         return {k: v for k, v in self.values.items() if k.property == name and k.index != EVERY}
 
 
-Way = Callable[[_Figures], dict[Knob, float] | None]
+Way = Callable[[_Figures], dict[ParameterId, float] | None]
 
 
-def told_once(climb: Climb, x: FloatArray) -> FloatArray:
+def with_common_figures(climb: Climb, x: FloatArray) -> FloatArray:
     """The likeliest coordinates, before the data, of the candidate that x is, or nearly is.
 
     A delay of all joints stands for what theirs have in common, a factor of all proportional gains
@@ -53,10 +55,11 @@ def _log_prior(climb: Climb, x: FloatArray) -> float:
 def _changed(climb: Climb, x: FloatArray, way: Way) -> FloatArray:
     """The candidate with changed figures; x if there are none of that kind."""
     values = {
-        each.knob: each.value(float(at)) for each, at in zip(climb.parameters, x, strict=True)
+        each.parameter_id: each.value(float(at))
+        for each, at in zip(climb.parameters, x, strict=True)
     }
     ratios = {
-        each.knob: values[each.knob] / base
+        each.parameter_id: values[each.parameter_id] / base
         for each in climb.parameters
         if (base := each.value(each.start)) > 0.0
     }
@@ -64,44 +67,51 @@ def _changed(climb: Climb, x: FloatArray, way: Way) -> FloatArray:
     if changed is None or not changed.keys() <= climb.place.keys():
         return x
     other = x.copy()
-    for knob, value in changed.items():
-        i = climb.place[knob]
+    for parameter_id, value in changed.items():
+        i = climb.place[parameter_id]
         other[i] = climb.parameters[i].x_of(value)
     return other
 
 
-def _with_delay(figures: _Figures) -> dict[Knob, float] | None:
+def _with_delay(figures: _Figures) -> dict[ParameterId, float] | None:
     own = figures.of("delay")
     usual = float(np.median([*own.values()]))
     if usual <= 0.0 or len(own) < 2:
         return None
-    shared = figures.values[Knob("delay", EVERY)] + usual
-    rest = {knob: max(value - usual, 0.0) for knob, value in own.items()}  # none comes early
-    return {Knob("delay", EVERY): shared, **rest}
+    shared = figures.values[ParameterId("delay", EVERY)] + usual
+    rest = {
+        parameter_id: max(value - usual, 0.0) for parameter_id, value in own.items()
+    }  # none comes early
+    return {ParameterId("delay", EVERY): shared, **rest}
 
 
-def _with_factor_of_kp(figures: _Figures) -> dict[Knob, float] | None:
+def _with_factor_of_kp(figures: _Figures) -> dict[ParameterId, float] | None:
     own = figures.of("kp")
     if len(own) < 2:
         return None
-    factor = float(np.median([figures.ratios[knob] for knob in own]))
-    changed = {knob: value / factor for knob, value in own.items()}
-    return {**changed, Knob("kp_factor", EVERY): figures.values[Knob("kp_factor", EVERY)] * factor}
+    factor = float(np.median([figures.ratios[parameter_id] for parameter_id in own]))
+    changed = {parameter_id: value / factor for parameter_id, value in own.items()}
+    return {
+        **changed,
+        ParameterId("kp_factor", EVERY): figures.values[ParameterId("kp_factor", EVERY)] * factor,
+    }
 
 
-def _with_factor_of_gains(figures: _Figures) -> dict[Knob, float] | None:
+def _with_factor_of_gains(figures: _Figures) -> dict[ParameterId, float] | None:
     changed = _with_factor_of_kp(figures)
     if changed is None:
         return None
-    before = figures.values[Knob("kp_factor", EVERY)]
-    factor = changed.pop(Knob("kp_factor", EVERY))
-    changed |= {knob: value / (factor / before) for knob, value in figures.of("kv").items()}
-    shared = figures.values[Knob("gain_factor", EVERY)] * factor / before
-    return {**changed, Knob("gain_factor", EVERY): shared}
+    before = figures.values[ParameterId("kp_factor", EVERY)]
+    factor = changed.pop(ParameterId("kp_factor", EVERY))
+    changed |= {
+        parameter_id: value / (factor / before) for parameter_id, value in figures.of("kv").items()
+    }
+    shared = figures.values[ParameterId("gain_factor", EVERY)] * factor / before
+    return {**changed, ParameterId("gain_factor", EVERY): shared}
 
 
-def _with_factor(figures: _Figures, k: int) -> dict[Knob, float] | None:
-    kp, kv, both = (Knob(name, k) for name in ("kp", "kv", "gain_factor"))
+def _with_factor(figures: _Figures, k: int) -> dict[ParameterId, float] | None:
+    kp, kv, both = (ParameterId(name, k) for name in ("kp", "kv", "gain_factor"))
     if kp not in figures.values or both not in figures.values:
         return None
     factor = figures.ratios[kp]

@@ -18,7 +18,7 @@ _ROUNDS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FallingTop:
+class SpeedTorqueLimit:
     """The line that a torque keeps to while more is asked for."""
 
     stall_torque: float  # [N m]
@@ -26,11 +26,11 @@ class FallingTop:
     rows: int
 
 
-def falling_top(
+def speed_torque_limit(
     torques: Sequence[Torques],
     speeds: Sequence[FloatArray],
     limits: LimitThresholds = DEFAULT_LIMITS,
-) -> FallingTop | None:
+) -> SpeedTorqueLimit | None:
     """The line S (1 - v / w) that torques stay at while more is asked for; None without one.
 
     v is the speed along the torque: negative where the drive brakes. Samples of which less is given
@@ -84,7 +84,7 @@ def falling_top(
     no_load = -stall / slope
     if no_load > limits.fastest * fastest:
         return None
-    return FallingTop(
+    return SpeedTorqueLimit(
         stall_torque=float(stall), no_load_speed=float(no_load), rows=int(np.count_nonzero(keep))
     )
 

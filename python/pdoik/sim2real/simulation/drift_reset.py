@@ -14,7 +14,7 @@ TURNED, SHIFTED = 0.3, 0.1  # from the recording, at which a joint is put back [
 LOOKED_EVERY = 4e-3  # [s]
 
 
-class Leash:
+class DriftReset:
     """Says which joints have strayed from a recording, and puts those back.
 
     A joint that is lighter in the model than in truth, or lacks its friction, runs off under a
