@@ -2,7 +2,7 @@
 
 Comes in: study.yaml and the files it names. Goes out: a `Study` of `Recording`s on even times, in
 SI units, parted into those to fit and those held out, with a `Setup` for each that was made
-otherwise (what it held, gains, the day); or a `LoadError` that says what was expected.
+otherwise (attached body, gains, the day); or a `LoadError` that says what was expected.
 Next: motion.
 """
 

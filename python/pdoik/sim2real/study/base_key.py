@@ -34,23 +34,23 @@ def base_from(content: Any, facts: RobotFacts | None) -> FloatingBase | None:
     if facts is None:
         raise LoadError("base: expected a robot that it is the base of, 'robot:'")
     content = {} if content == "floating" else content
-    told = checked(content, BASE, "base")
+    keys = checked(content, BASE, "base")
     root = facts.root
-    link = text(told.get("link"), "base: link") or root
+    link = text(keys.get("link"), "base: link") or root
     if link != root:
         raise LoadError(f"base: link: expected {root!r}, the first of the robot's, got {link!r}")
-    position, rotation = _imu(told.get("imu"))
+    position, rotation = _imu(keys.get("imu"))
     return FloatingBase(
         link=root,
         imu_position=position,
         imu_rotation=rotation,
-        feet=_feet(told.get("feet"), facts),
-        ground=_ground(told.get("ground")),
+        feet=_feet(keys.get("feet"), facts),
+        ground=_ground(keys.get("ground")),
     )
 
 
 def check_base(base: FloatingBase | None, recording: Recording, held: bool) -> None:
-    """That a recording tells how its base moved.
+    """Check that a recording shows how its base moved.
 
     Raises:
         LoadError: it does not; the message says what to record.
@@ -70,9 +70,9 @@ def check_base(base: FloatingBase | None, recording: Recording, held: bool) -> N
 
 
 def _imu(content: Any) -> tuple[Any, Any]:
-    told = checked({} if content is None else content, IMU, "base: imu")
-    position = vector(told.get("position", [0.0, 0.0, 0.0]), "base: imu: position", 3)
-    rpy = vector(told.get("rpy", [0.0, 0.0, 0.0]), "base: imu: rpy", 3)
+    keys = checked({} if content is None else content, IMU, "base: imu")
+    position = vector(keys.get("position", [0.0, 0.0, 0.0]), "base: imu: position", 3)
+    rpy = vector(keys.get("rpy", [0.0, 0.0, 0.0]), "base: imu: rpy", 3)
     return position, Rotation.from_euler("xyz", rpy).as_matrix()
 
 
@@ -83,7 +83,7 @@ def _feet(content: Any, facts: RobotFacts) -> tuple[Foot, ...]:
         content = dict.fromkeys(map(str, content))
     if not isinstance(content, dict):
         raise LoadError(f"base: feet: expected a list of links, got {shown(content)}")
-    return tuple(_foot(str(link), told, facts) for link, told in content.items())
+    return tuple(_foot(str(link), keys, facts) for link, keys in content.items())
 
 
 def _foot(link: str, content: Any, facts: RobotFacts) -> Foot:
@@ -92,16 +92,16 @@ def _foot(link: str, content: Any, facts: RobotFacts) -> Foot:
         raise LoadError(
             f"base: feet: {facts.path.name} has no link {link!r}{nearest(link, facts.masses)}"
         )
-    told = checked({} if content is None else content, FOOT, source)
-    kind = told.get("contact")
+    keys = checked({} if content is None else content, FOOT, source)
+    kind = keys.get("contact")
     if kind not in (None, "point", "flat"):
         raise LoadError(f"{source}: contact: expected point or flat, got {shown(kind)}")
     chain = facts.chain(link)
     moved = sum(joint.link in chain for joint in facts.joints.values())
     flat = moved >= _FLAT_FROM if kind is None else kind == "flat"
     at, sole = (None, None) if flat else _ball(facts, link)
-    if told.get("sole") is not None:
-        sole = number(told["sole"], f"{source}: sole", least=0.0)
+    if keys.get("sole") is not None:
+        sole = number(keys["sole"], f"{source}: sole", least=0.0)
     return Foot(link=link, flat=flat, at=at or (0.0, 0.0, 0.0), sole=sole)
 
 
@@ -116,9 +116,9 @@ def _ball(facts: RobotFacts, link: str) -> tuple[tuple[float, float, float] | No
 
 
 def _ground(content: Any) -> Ground:
-    told = checked({} if content is None else content, GROUND, "base: ground")
-    friction = told.get("friction")
+    keys = checked({} if content is None else content, GROUND, "base: ground")
+    friction = keys.get("friction")
     return Ground(
         friction=None if friction is None else number(friction, "base: ground: friction", least=0),
-        height=number(told.get("height", 0.0), "base: ground: height"),
+        height=number(keys.get("height", 0.0), "base: ground: height"),
     )

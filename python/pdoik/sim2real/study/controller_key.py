@@ -55,19 +55,19 @@ def given_controller(content: Any, joints: tuple[str, ...]) -> GivenController |
     )
 
 
-def known_controller(told: GivenController | None) -> Controller | None:
+def known_controller(given: GivenController | None) -> Controller | None:
     """The law by which torques can be worked out before anything is estimated; None without one."""
-    if told is None or told.type != "pd":
+    if given is None or given.type != "pd":
         return None
-    kp, kd = told.gains["kp"], told.gains["kd"]
+    kp, kd = given.gains["kp"], given.gains["kd"]
     if not (np.isfinite(kp).all() and np.isfinite(kd).all()):
         return None
     return Controller(
         kp=kp,
         kd=kd,
-        gravity_compensation=bool(told.gravity_compensation),
-        torque_limit=told.torque_limit,
-        period=told.period,
+        gravity_compensation=bool(given.gravity_compensation),
+        torque_limit=given.torque_limit,
+        period=given.period,
     )
 
 

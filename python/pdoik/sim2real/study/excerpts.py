@@ -1,4 +1,4 @@
-"""Of logs of an hour, minutes spread over all of it: more says nothing new, and takes long."""
+"""Uses minutes, spread evenly, of logs of an hour: more says nothing new, and takes long."""
 
 from __future__ import annotations
 

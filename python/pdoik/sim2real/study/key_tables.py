@@ -92,7 +92,7 @@ SETUP: Keys = {
     "base": Key("`held`", "a stand or a rope held the floating base", "held", "it floats"),
     "payload": Key(
         "a mapping",
-        "a known body that was held",
+        "a known attached body",
         "{link: tool, mass: 2.0, com: [0, 0, 0.05]}",
         _NONE,
     ),
@@ -223,7 +223,7 @@ FOOT: Keys = {
 
 GROUND: Keys = {
     "friction": Key(
-        "a number", "Coulomb's, of all feet", "0.8", "not told: slipping says nothing of it"
+        "a number", "Coulomb's, of all feet", "0.8", "not given: slipping says nothing of it"
     ),
     "height": Key("a number [m]", "in the frame of the base's pose", "0.0", "0"),
 }

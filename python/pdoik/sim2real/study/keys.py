@@ -51,7 +51,7 @@ def read_keys(path: Path) -> dict[str, Any]:
 
 
 def read_part(path: Path) -> dict[str, Any]:
-    """Of a study that may still lack its recordings, likewise."""
+    """The mapping of a study that may still lack its recordings, its keys checked."""
     try:
         content = yaml.safe_load(path.read_text())
     except OSError as error:
@@ -114,20 +114,20 @@ def _entry(content: Any, folder: Path, source: str, max_rows: int) -> Entry:
 
 def _reading(mapping: Mapping[str, Any], source: str) -> dict[str, Any]:
     """What an entry says of how to read its log."""
-    told = {key: mapping[key] for key in entry_keys() if mapping.get(key) is not None}
+    found = {key: mapping[key] for key in entry_keys() if mapping.get(key) is not None}
     if mapping.get("rate") is not None:
-        told["rate"] = number(mapping["rate"], f"{source}: rate", least=_MORE_THAN_NOTHING)
-    return told
+        found["rate"] = number(mapping["rate"], f"{source}: rate", least=_MORE_THAN_NOTHING)
+    return found
 
 
 def trust_from(content: Any) -> Trust:
     """The study's `trust`."""
     if content is None:
         return Trust()
-    told = checked(content, TRUST, "trust")
+    keys = checked(content, TRUST, "trust")
     shares = {
         key: number(value, f"trust: {key}", least=0.0)
-        for key, value in told.items()
+        for key, value in keys.items()
         if value is not None
     }
     return Trust(**shares)

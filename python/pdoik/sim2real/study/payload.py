@@ -21,7 +21,7 @@ class Payload:
 
     @property
     def label(self) -> str:
-        """By which it is told from other bodies."""
+        """Name that distinguishes it from other bodies."""
         x, y, z = (f"{each:g}" for each in self.com)
         return f"{self.mass:g} kg at {self.link} ({x}, {y}, {z})"
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from ..thresholds import NoiseThresholds
 
 ROWS = 3.0
-"""Of a balance, for each period of its cut-off."""
+"""Rows of a balance for each period of its cut-off."""
 
 
 def highest_cutoff(limits: NoiseThresholds, rate: float) -> float:
-    """Of recordings with so many samples a second [Hz]."""
+    """The highest cut-off of balances [Hz] for recordings sampled at `rate` [Hz]."""
     return min(limits.highest_cutoff, limits.cutoff_of_rate * rate)

@@ -29,8 +29,8 @@ _COLDEST = -273.15  # [deg C]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Told:
-    """What of the study its recordings' entries refer to."""
+class StudyContext:
+    """The parts of a study that its recordings' entries refer to."""
 
     folder: Path
     joints: tuple[str, ...]
@@ -41,7 +41,7 @@ class Told:
 
 
 def setups_of(
-    recordings: Sequence[Entry], simulations: Sequence[Entry], told: Told
+    recordings: Sequence[Entry], simulations: Sequence[Entry], study: StudyContext
 ) -> dict[str, Setup]:
     """Setups by the recording's name, of those entries that say something.
 
@@ -57,51 +57,51 @@ def setups_of(
                 f"simulation ({entry.name}): {next(iter(entry.told))}: is said of the recording of"
                 " this name, and holds for its simulation too"
             )
-        found[entry.name] = _setup(entry, told)
+        found[entry.name] = _setup(entry, study)
     return found
 
 
-def _setup(entry: Entry, told: Told) -> Setup:
+def _setup(entry: Entry, study: StudyContext) -> Setup:
     source, content = entry.name, entry.told
-    robot = _robot(content.get("robot"), source, told)
-    facts = told.facts if robot is None else robot
-    payload = _payload(content.get("payload"), f"{source}: payload", told.joints, facts)
-    controller = _controller(content.get("controller"), source, told)
+    robot = _robot(content.get("robot"), source, study)
+    facts = study.facts if robot is None else robot
+    payload = _payload(content.get("payload"), f"{source}: payload", study.joints, facts)
+    controller = _controller(content.get("controller"), source, study)
     return Setup(
         robot=None if robot is None else robot.path,
         payload=payload,
         controller=controller,
-        compensated=_compensated(content, source, controller, told),
+        compensated=_compensated(content, source, controller, study),
         session=_label(content.get("session"), f"{source}: session"),
-        temperature=_temperature(content.get("temperature"), source, told.joints),
+        temperature=_temperature(content.get("temperature"), source, study.joints),
         held=_held(content.get("base"), source),
         surface=keys.text(content.get("surface"), f"{source}: surface") or "",
     )
 
 
-def _robot(content: Any, source: str, told: Told) -> RobotFacts | None:
-    """Of a description with the same joints, which move the same links."""
+def _robot(content: Any, source: str, study: StudyContext) -> RobotFacts | None:
+    """Facts of the entry's own description: same joints, same links; None without one."""
     name = keys.text(content, f"{source}: robot")
     if name is None:
         return None
-    if told.facts is None:
+    if study.facts is None:
         raise LoadError(f"{source}: robot: expected one of the study first, 'robot:'")
     try:
-        facts = robot_facts(told.folder / Path(name).expanduser())
-        check_robot(facts, told.joints, told.tip, floats=told.floats)
+        facts = robot_facts(study.folder / Path(name).expanduser())
+        check_robot(facts, study.joints, study.tip, floats=study.floats)
     except LoadError as error:
         raise LoadError(f"{source}: {error}") from error
-    for joint in told.joints:
-        own, expected = facts.joints[joint], told.facts.joints[joint]
+    for joint in study.joints:
+        own, expected = facts.joints[joint], study.facts.joints[joint]
         if own.link != expected.link:
             raise LoadError(
                 f"{source}: robot: joint {joint!r} moves link {own.link!r}, expected"
-                f" {expected.link!r} as in {told.facts.path.name}"
+                f" {expected.link!r} as in {study.facts.path.name}"
             )
         if (own.type == "prismatic") != (expected.type == "prismatic"):
             raise LoadError(
                 f"{source}: robot: joint {joint!r} is {own.type}, expected {expected.type} as in"
-                f" {told.facts.path.name}"
+                f" {study.facts.path.name}"
             )
     return facts
 
@@ -144,7 +144,7 @@ def _payload(
 
 
 def _inertia(content: Any, source: str) -> tuple[float, float, float, float, float, float]:
-    """Of three moments, or of xx xy yy xz yz zz; zeros for a point."""
+    """Inertia from 3 moments or xx xy yy xz yz zz [kg m^2]; zeros for a point."""
     if content is None:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if isinstance(content, list) and len(content) == 3:
@@ -158,16 +158,16 @@ def _inertia(content: Any, source: str) -> tuple[float, float, float, float, flo
     return (xx, xy, yy, xz, yz, zz)
 
 
-def _controller(content: Any, source: str, told: Told) -> Controller | None:
+def _controller(content: Any, source: str, study: StudyContext) -> Controller | None:
     """The study's, with what the entry says otherwise."""
     if content is None:
         return None
-    if told.controller is None:
+    if study.controller is None:
         raise LoadError(f"{source}: controller: expected one of the study first, 'controller:'")
     if not isinstance(content, dict):
         raise LoadError(f"{source}: controller: expected 'key: value' lines, got {content!r}")
     try:
-        known = _known({**told.controller, **content}, told.joints)
+        known = _known({**study.controller, **content}, study.joints)
     except LoadError as error:
         raise LoadError(f"{source}: {error}") from error
     if known is None:
@@ -180,14 +180,14 @@ def _known(content: Any, joints: tuple[str, ...]) -> Controller | None:
 
 
 def _compensated(
-    content: Mapping[str, Any], source: str, own: Controller | None, told: Told
+    content: Mapping[str, Any], source: str, own: Controller | None, study: StudyContext
 ) -> bool:
     value = content.get("compensated", False)
     if not isinstance(value, bool):
         raise LoadError(f"{source}: compensated: expected true or false, got {value!r}")
     if value and "robot" not in content and "payload" not in content:
-        raise LoadError(f"{source}: compensated: expected 'payload:' or 'robot:' beside it")
-    known = own or _known(told.controller, told.joints)
+        raise LoadError(f"{source}: compensated: expected 'payload:' or 'robot:' with it")
+    known = own or _known(study.controller, study.joints)
     if value and not (known is not None and known.gravity_compensation):
         raise LoadError(
             f"{source}: compensated: expected a controller with 'gravity_compensation: true'"
@@ -209,7 +209,7 @@ def _label(content: Any, source: str) -> str:
 
 
 def _temperature(content: Any, source: str, joints: tuple[str, ...]) -> FloatArray | None:
-    """Of every joint, (n,) [deg C]."""
+    """Temperature of every joint, (n,) [deg C]; None without one."""
     if content is None:
         return None
     source = f"{source}: temperature"

@@ -1,4 +1,4 @@
-"""From a study's YAML, or a study made in Python, to a checked `Study`."""
+"""Reads a study, from YAML or made in Python, as a checked `Study`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .base_key import base_from, check_base
 from .check_robot import armatures, check_robot
 from .controller_key import given_controller, known_controller
 from .keys import Entry
-from .read_setup import Told, setups_of
+from .read_setup import StudyContext, setups_of
 from .simulator_key import simulator_from
 from .split import split
 from .study import Setup, Study
@@ -89,9 +89,9 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
     joints, notes = (named, ()) if named is not None else _common_joints(logs, facts)
     notes += () if facts is None else check_robot(facts, joints, tip, floats=floats)
     notes += () if facts is not None else ("no robot: only channels and drives can be judged",)
-    told = given_controller(content.get("controller"), joints)
+    given = given_controller(content.get("controller"), joints)
     rotor_inertia = _rotor_inertia(content.get("rotor_inertia"), joints, facts)
-    beside = Told(
+    context = StudyContext(
         folder=folder,
         joints=joints,
         facts=facts,
@@ -99,7 +99,7 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
         tip=tip,
         controller=content.get("controller"),
     )
-    setups = setups_of(entries, simulations, beside)
+    setups = setups_of(entries, simulations, context)
 
     feet = () if base is None else tuple(foot.link for foot in base.feet)
 
@@ -129,8 +129,8 @@ def load_study(source: str | os.PathLike[str] | Study) -> Study:
             joints=joints,
             recordings=parted,
             split=how,
-            controller=known_controller(told),
-            told=told,
+            controller=known_controller(given),
+            told=given,
             simulation=tuple(simulation),
             simulator=simulator,
             trust=study_keys.trust_from(content.get("trust")),

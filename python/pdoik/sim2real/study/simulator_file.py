@@ -13,4 +13,4 @@ class SimulatorFile:
 
     path: Path
     format: str  # mjcf or urdf
-    actuators: Mapping[str, str] = field(default_factory=dict)  # by joint, where told
+    actuators: Mapping[str, str] = field(default_factory=dict)  # by joint, where given

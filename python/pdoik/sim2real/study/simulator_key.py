@@ -23,19 +23,19 @@ def simulator_from(content: Any, folder: Path) -> SimulatorFile | None:
     """
     if content is None:
         return None
-    told = checked(content, SIMULATOR, "simulator")
-    named = [key for key in _FILES if told.get(key) is not None]
+    keys = checked(content, SIMULATOR, "simulator")
+    named = [key for key in _FILES if keys.get(key) is not None]
     if len(named) != 1:
         raise LoadError(
             "simulator: expected one of 'mjcf: model.xml' and 'urdf: robot.urdf' (with the study's"
             f" 'controller:'), got {' and '.join(named) or 'neither'}"
         )
-    file = text(told[named[0]], f"simulator: {named[0]}")
+    file = text(keys[named[0]], f"simulator: {named[0]}")
     path = folder / Path(str(file)).expanduser()
     if not path.is_file():
-        beside = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
-        raise LoadError(f"simulator: no such file: {path}{nearest(path.name, beside)}")
-    actuators = told.get("actuators") or {}
+        names = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
+        raise LoadError(f"simulator: no such file: {path}{nearest(path.name, names)}")
+    actuators = keys.get("actuators") or {}
     if not isinstance(actuators, dict):
         raise LoadError(
             f"simulator: actuators: expected 'joint: actuator' lines, got {actuators!r}"

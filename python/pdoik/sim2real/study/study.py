@@ -1,4 +1,4 @@
-"""A study: the model a user believes, recordings of the machine, and what is known besides."""
+"""A study: the model a user believes, recordings of the machine, and what else is known."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .simulator_file import SimulatorFile
 class Trust:
     """How far the model's figures and the torques may be off, relative."""
 
-    rigid_body: float | None = None  # None: they are held to be right
+    rigid_body: float | None = None  # None: they are believed to be right
     torque: float | None = None  # standard deviation of their scale; None: as sensors usually are
 
 
@@ -29,13 +29,13 @@ class Setup:
     """How one recording was made, as far as it differs from the study."""
 
     robot: Path | None = None  # its description, of the study's joints and links
-    payload: Payload | None = None  # what it is known to hold
+    payload: Payload | None = None  # the known attached body
     controller: Controller | None = None  # its gains instead of the study's
     compensated: bool = False
     """Whether the controller's gravity compensation knows this robot and payload; it knows the
-    study's robot with nothing held otherwise."""
+    study's robot with nothing attached otherwise."""
     session: str = ""  # the day, or whatever else was the same
-    held: bool = False  # its base was, by something whose forces nobody knows
+    held: bool = False  # whether its base was held fixed, by unknown forces
     temperature: FloatArray | None = None  # (n,) of the joints [deg C]
     surface: str = ""  # what it stood on or moved along, in words
 
@@ -90,7 +90,7 @@ class Study:
 
     @property
     def floats(self) -> bool:
-        """Whether the robot's base does."""
+        """Whether the robot's base floats."""
         return self.base is not None
 
     def setup_of(self, recording: Recording) -> Setup:

@@ -1,4 +1,4 @@
-"""What a study can tell, before anything is looked for in it: `pdoik study check` in Python.
+"""What a study can show before anything is searched in it: `pdoik study check` in Python.
 
 Comes in: a study. Goes out: `StudyCheck`: channels, motion, and of every effect at every place the
 smallest size that would be seen, or why none would.

@@ -1,4 +1,4 @@
-"""What a study can tell before anything is looked for in it: `pdoik study check` in Python."""
+"""What a study can show before anything is searched in it: `pdoik study check` in Python."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class StudyCheck:
     unanswerable: str  # why nothing can be found, in words; "" where something may be
 
     def of(self, effect: str, joint: str | None = None) -> tuple[Visible, ...]:
-        """What is said of an effect, at one joint, or at the base for ""."""
+        """What is said of an effect, at one joint, at the base for "", or anywhere for None."""
         return tuple(
             each for each in self.effects if each.effect == effect and joint in (None, each.joint)
         )
@@ -45,7 +45,7 @@ def check_study(
 
     The smallest size of an effect is the one that would be found in nine of ten such recordings,
     by the thresholds of the search: its columns along the recorded motion, filtered as the balances
-    are, are held against what the balances leave beside friction, offsets, rotors and bodies.
+    are, are compared with what friction, offsets, rotors and bodies leave of the balances.
 
     Args:
         study: a study, or its YAML file.

@@ -21,7 +21,7 @@ _MOST_POSES = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointCheck:
-    """Of one joint, over all recordings."""
+    """The motion of one joint, over all recordings."""
 
     name: str
     unit: str  # rad or m
@@ -36,7 +36,7 @@ class JointCheck:
 
 
 def joint_checks(prepared: Prepared) -> tuple[JointCheck, ...]:
-    """Of each joint of the study."""
+    """How each joint of the study moved, in the study's order."""
     study = prepared.study
     facts = None if study.robot is None else robot_facts(study.robot)
     motions = [*prepared.fit.motions, *(prepared.validate.motions if prepared.validate else ())]

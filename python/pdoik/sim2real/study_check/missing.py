@@ -37,10 +37,10 @@ class _Piece:
 
 
 class Missing:
-    """Of a study whose channels are as they should be."""
+    """Why effects of a study cannot be seen; its channels must be as they should be."""
 
     def __init__(self, prepared: Prepared) -> None:
-        """Looks at the recordings to fit."""
+        """Uses the recordings to fit."""
         self._prepared = prepared
         self._pieces: dict[tuple[str, ...], Balances | None] = {}
         run = thinned(prepared.study.fit[0])
@@ -78,7 +78,7 @@ class Missing:
                 return f"needs {' or '.join(said)}"
         if self._prepared.study.robot is None:
             effort = self._prepared.fit.motions[0].source or "a torque (tau, current or tau_cmd)"
-            return f"needs the robot's description, beside {effort}"
+            return f"needs the robot's description, besides {effort}"
         return "changes nothing that was recorded"
 
     def hidden(self, effect: Effect, size: Size) -> str:
@@ -106,7 +106,7 @@ class Missing:
         )
 
     def _shapes(self, effect: Effect, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Of an amount that does something."""
+        """Shapes of an effect with an amount that does something."""
         found = []
         for shape in effect.asked(motions, place):
             try:
@@ -128,7 +128,9 @@ class Missing:
         return self._pieces[names]
 
 
-_ALIKE = 0.05  # share of a contribution beside what is ordinary, below which it looks like that
+_ALIKE = (
+    0.05  # share of a contribution that ordinary effects leave unexplained, else it looks like them
+)
 _LITTLE = 0.02
 
 

@@ -14,7 +14,7 @@ from ..study import Study
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingCheck:
-    """Of one recording, or of the part of one that is fitted or held out."""
+    """What one recording has, or the part of one that is fitted or held out."""
 
     name: str
     role: Literal["fit", "validate"]
@@ -30,7 +30,7 @@ class RecordingCheck:
 
 
 def recording_check(study: Study, recording: Recording) -> RecordingCheck:
-    """Of a recording of the study."""
+    """The channels, rate, gaps and notes of a recording of the study."""
     lost = np.concatenate([[False], ~recording.valid, [False]])
     first, last = (
         np.flatnonzero(np.diff(lost.astype(int)))[0::2],

@@ -16,7 +16,7 @@ from ..regression import Term, usual_torque
 from .amounts import bisected
 
 _BEYOND = 1e6  # a figure at which an effect does nothing, from which it is without end
-_SHARE = 0.02  # of the time, the amount to begin with of what is told by a share
+_SHARE = 0.02  # of the time, the amount to begin with where the amount is a share
 _MOST_SHARE = 0.5
 _NEXT_TO_NOTHING = 1e-9  # of a time or an angle
 
@@ -36,18 +36,18 @@ class Size:
 
 
 class Sizes:
-    """Of a study whose channels are as they should be."""
+    """The smallest sizes that are seen in a study whose channels are as they should be."""
 
     def __init__(self, prepared: Prepared) -> None:
-        """Along the recordings to fit, whose noise is what ordinary physics leaves of them."""
+        """Uses the recordings to fit, whose noise is what ordinary physics leaves of them."""
         self.balances = b = prepared.fit
-        told, believed = prepared.study.trust.rigid_body, b.thresholds.priors
-        self._model = recorded(b, believed.bodies if told is None else told)
+        given, believed = prepared.study.trust.rigid_body, b.thresholds.priors
+        self._model = recorded(b, believed.bodies if given is None else given)
         self._none: dict[tuple[str, Place, str], dict[Key, FloatArray]] = {}
-        self._beside: dict[tuple[str, Place], Model] = {}
+        self._others: dict[tuple[str, Place], Model] = {}
 
     def of(self, effect: Effect, place: Place) -> Iterator[Size]:
-        """Of each variant of an effect that has something to be seen by; none of others."""
+        """The size of each variant of an effect that changes something; none of others."""
         for shape in effect.asked(self.balances.motions, place):
             found = self._size(effect, place, shape)
             if found is not None:
@@ -55,9 +55,9 @@ class Sizes:
 
     def _all_else(self, effect: Effect, place: Place) -> Model:
         name = effect.one_of or ("body" if effect.is_body else effect.id), place
-        if name not in self._beside:
-            self._beside[name] = all_else(self._model, (effect.id, (place,)))
-        return self._beside[name]
+        if name not in self._others:
+            self._others[name] = all_else(self._model, (effect.id, (place,)))
+        return self._others[name]
 
     def _expected(
         self, effect: Effect, place: Place, shape: Shape, amount: float
@@ -97,7 +97,7 @@ class Sizes:
         else:
             most = _MOST_SHARE if _of_share(effect) else effect.parameters[0].upper
             amount, of_usual = bisected(clarity, tried, begin, most), 0.0
-        amount = self._told(effect, place, shape, amount)
+        amount = self._claimed(effect, place, shape, amount)
         figure, below = self._figure(effect, place, shape, amount)
         return Size(
             effect=effect.id,
@@ -115,7 +115,7 @@ class Sizes:
         return not effect.fixed and self._at(effect, place, shape, _begin(effect))[0] == shape
 
     def _amounts(self, effect: Effect, place: Place, shape: Shape) -> list[float]:
-        """Those that the search tries, rising; none where it has them from the data."""
+        """Amounts that the search tries, rising; none where it has them from the data."""
         if _of_share(effect):
             return []
         name, variant, motions = (
@@ -140,7 +140,7 @@ class Sizes:
         return at, beta, width
 
     def _width(self, effect: Effect, place: Place, shape: Shape) -> int:
-        """Of the first columns there are; 1 of what is fixed, whatever its shape."""
+        """Number of coefficients, by the first columns there are; 1 for a fixed effect."""
         if effect.fixed:
             return 1
         columns = self.balances.columns(effect, place, shape)
@@ -169,8 +169,8 @@ class Sizes:
         columns = self.balances.compute(effect, place, shape)
         return {key: column @ beta for key, column in columns.items()}
 
-    def _told(self, effect: Effect, place: Place, shape: Shape, amount: float) -> float:
-        """No less than is claimed, however clear: sampling and differentiation may look like it."""
+    def _claimed(self, effect: Effect, place: Place, shape: Shape, amount: float) -> float:
+        """At least what is claimed, however clear: sampling and differentiation may look like it."""
         motions = self.balances.motions
         for _ in range(60):
             if not np.isfinite(amount) or _of_share(effect):

@@ -1,4 +1,4 @@
-"""Of every effect at every place: how small it may be and still be seen, or why it cannot be."""
+"""How small every effect at every place may be and still be seen, or why it cannot be seen."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Visible:
 
 
 def visible_effects(prepared: Prepared, say: Tell) -> tuple[Visible, ...]:
-    """Of every effect of the catalogue, in its order, and of every joint in the study's."""
+    """The size at which each effect is seen, in the catalogue's order, joints in the study's."""
     sizes = Sizes(prepared)
     missing = Missing(prepared)
     found: list[Visible] = []

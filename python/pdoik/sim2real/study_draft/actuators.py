@@ -13,7 +13,7 @@ from pdoik.descriptions import RobotDescription, quiet_mujoco
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActuatorGains:
-    """Of a position actuator at each joint: torque = kp (command - q) - kd dq, by joint."""
+    """Gains of position actuators by joint: torque = kp (command - q) - kd dq."""
 
     kp: tuple[float, ...]  # [N m/rad]
     kd: tuple[float, ...]  # [N m s/rad]
@@ -21,7 +21,7 @@ class ActuatorGains:
 
 
 def actuator_gains(robot: Path, joints: Sequence[str]) -> ActuatorGains | None:
-    """Of an MJCF; None of a URDF, or where a joint has no position actuator of its own."""
+    """Gains in an MJCF; None for a URDF, or where a joint has no position actuator of its own."""
     import mujoco
 
     described = RobotDescription.of_file(robot)

@@ -16,7 +16,7 @@ from .actuators import actuator_gains
 from .facts import Facts
 from .questions import guesses_of, questions_of
 from .text import study_text
-from .trial import OF_STUDY, Told, Trial, tried
+from .trial import OF_STUDY, GivenKeys, Trial, tried
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +42,7 @@ def draft_study(
 
     Units are those that the numbers ask for, held out is the recording whose motion the others
     cover but do not repeat, and gains are those of an MJCF's position actuators. Logs that cannot
-    be used beside the others are left out, and named.
+    be used together with the others are left out, and named.
 
     Args:
         robot: URDF or MJCF.
@@ -51,7 +51,7 @@ def draft_study(
         topic: of joint states in bags, where there are several.
         command_topic: of commands in bags.
         reading: a YAML file whose `joints:`, `columns:`, `units:` and `ignore:`, as in a study,
-            tell how the logs are read, where names and numbers do not.
+            say how the logs are read, where names and numbers do not.
         entry: what each recording's entry says of how to read it: `rate`, `demo`, `env` ...
 
     Raises:
@@ -63,12 +63,12 @@ def draft_study(
     path = Path(robot)
     facts = robot_facts(path)
     topics = {"topic": topic, "command_topic": command_topic}
-    told = Told(
+    given = GivenKeys(
         study={} if reading is None else _read(Path(reading)),
         entry=dict(entry or {}),
         topics={key: value for key, value in topics.items() if value is not None},
     )
-    trial = tried(path, list(dict.fromkeys(Path(log) for log in logs)), told)
+    trial = tried(path, list(dict.fromkeys(Path(log) for log in logs)), given)
     gains = actuator_gains(path, trial.study.joints) if "q_des" in _any_channel(trial) else None
     found = Facts(folder=Path(folder), robot=facts, trial=trial, gains=gains)
     asked = questions_of(found)

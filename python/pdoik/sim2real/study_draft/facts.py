@@ -1,4 +1,4 @@
-"""What robot and logs tell of a study."""
+"""What robot and logs show of a study."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ class Facts:
 
     @property
     def counted(self) -> bool:
-        """Whether numbers alone told a joint's columns."""
+        """Whether joints' columns were known by numbers alone."""
         notes = (note for each in self.trial.study.recordings for note in each.notes)
         return any(note.endswith(ALONG_THE_ARM) for note in notes)
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """That all usable logs have."""
+        """Channels that all usable logs have."""
         every = [set(r.channels) for r in self.trial.study.recordings]
         first = self.trial.study.recordings[0].channels
         return tuple(name for name in first if all(name in each for each in every))
@@ -58,7 +58,7 @@ class Facts:
         return log.name if len(alike) == 1 else str(log.resolve())
 
     def path_of(self, path: Path) -> str:
-        """As the study names a file: relative where it lies beside or below, else absolute."""
+        """A path as the study names it: relative where it is near the folder, else absolute."""
         folder = self.folder.resolve()
         relative = os.path.relpath(path.resolve(), folder)
         return str(path.resolve()) if relative.startswith(f"..{os.sep}..") else relative

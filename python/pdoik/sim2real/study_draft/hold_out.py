@@ -24,10 +24,10 @@ class HoldOut:
 
 
 def hold_out(recordings: Mapping[str, tuple[Recording, ...]]) -> HoldOut:
-    """Of recordings by their files' names, each in one part or more.
+    """Choose the recording to hold out, by files' names; each is in one part or more.
 
     Coverage is the share of a recording's samples that lie, joint by joint, in a cell of position
-    and speed where another recording has been, or beside one.
+    and speed where another recording has been, or next to one.
     """
     if len(recordings) < 2:
         return HoldOut(name="", why="there is one recording: its last part is held out")

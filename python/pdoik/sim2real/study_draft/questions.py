@@ -10,7 +10,7 @@ _NAMED = 6  # joints in one sentence
 
 
 def guesses_of(facts: Facts) -> tuple[str, ...]:
-    """Of joints, units, gains and the recording to hold out."""
+    """Guesses, in words, of joints, units, gains and the recording to hold out."""
     study = facts.trial.study
     said = [
         f"{len(study.joints)} joints are in both robot and logs: {_listed(study.joints)}",
@@ -26,7 +26,7 @@ def guesses_of(facts: Facts) -> tuple[str, ...]:
 
 
 def questions_of(facts: Facts) -> dict[str, str]:
-    """By the study's key that answers them."""
+    """Questions by the study's key that answers them."""
     study, channels = facts.trial.study, facts.channels
     asked: dict[str, str] = {}
     if facts.counted:
@@ -49,7 +49,7 @@ def questions_of(facts: Facts) -> dict[str, str]:
         )
     if "tip" in channels:
         asked["tip"] = "of which link was the pose measured? Without it, of the last one"
-    asked["payload"] = "was anything held, or mounted, that the robot's description does not know?"
+    asked["payload"] = "was anything attached that the robot's description does not know?"
     if len(facts.trial.logs) > 1:
         asked["session"] = "were the recordings made on one day?"
     return asked

@@ -52,12 +52,12 @@ def _lines(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
     yield from _rotors(facts, questions)
     yield "# trust: {rigid_body: 0.1}  # the model's masses and inertias are about a tenth off"
     yield "# trust: {torque: 0.04}  # the torques' own scale is about 4 % off"
-    told = facts.trial.told.study
-    if told.get("columns"):
+    reading = facts.trial.told.study
+    if reading.get("columns"):
         yield "# Which column is which."
-        yield from _mapping({"columns": told["columns"]})
-    if told.get("ignore"):
-        yield from _mapping({"ignore": told["ignore"]})
+        yield from _mapping({"columns": reading["columns"]})
+    if reading.get("ignore"):
+        yield from _mapping({"ignore": reading["ignore"]})
     else:
         yield "# ignore: []  # columns that look like a channel and are none"
     yield "# max_rows: 2000000  # of a file; a longer one is refused"
@@ -84,25 +84,25 @@ def _recording(facts: Facts, log: Path, parts: tuple[Recording, ...]) -> Iterato
     for note in first.notes:
         yield f"    # {_plain(note)}"
     yield f"    role: {'validate' if name == facts.held_out.name else 'fit'}"
-    told = facts.trial.told.entry_of(log)
+    keys = facts.trial.told.entry_of(log)
     if is_bag(log):
         for key in ("topic", "command_topic"):
-            topic = told.pop(key, None)
+            topic = keys.pop(key, None)
             what = "JointState" if key == "topic" else "commands: JointState or JointTrajectory"
             yield f"    {key}: {_value(topic)}" if topic else f"    # {key}: /name  # of {what}"
-    for key, value in told.items():
+    for key, value in keys.items():
         yield f"    {key}: {_value(value)}"
-    link = facts.robot.joints[facts.trial.study.joints[-1]].link
+    link = _value(facts.robot.joints[facts.trial.study.joints[-1]].link)
     yield "    # session: monday  # the day, or whatever else was the same"
-    yield f"    # payload: {{link: {_value(link)}, mass: 1.0, com: [0, 0, 0.05]}}  # held: kg, m"
+    yield f"    # payload: {{link: {link}, mass: 1.0, com: [0, 0, 0.05]}}  # attached: kg, m"
     yield "    # window: [0, 30]  # of the file [s]"
 
 
 def _units(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
-    told = facts.trial.told.study
-    units = {k: each.unit for k, each in facts.trial.units.items()} | (told.get("units") or {})
+    reading = facts.trial.told.study
+    units = {k: each.unit for k, each in facts.trial.units.items()} | (reading.get("units") or {})
     if units:
-        looks = "that the numbers look like" if facts.trial.units else "as they were told"
+        looks = "that the numbers look like" if facts.trial.units else "as they were given"
         yield f"# Units {looks}; all others are SI."
         yield from _asked(questions, "units")
         yield from _mapping({"units": units})
@@ -125,11 +125,11 @@ def _controller(facts: Facts, questions: Mapping[str, str]) -> Iterator[str]:
         yield "#   gravity_compensation: false"
         yield "#   period: 0.001  # [s]"
     else:
-        told: dict[str, Any] = {"type": "pd", "kp": _numbers(gains.kp), "kd": _numbers(gains.kd)}
+        law: dict[str, Any] = {"type": "pd", "kp": _numbers(gains.kp), "kd": _numbers(gains.kd)}
         if gains.torque_limit is not None and min(gains.torque_limit) > 0.0:
-            told["torque_limit"] = _numbers(gains.torque_limit)
+            law["torque_limit"] = _numbers(gains.torque_limit)
         yield "# Guessed from the MJCF's position actuators."
-        yield from _mapping({"controller": told})
+        yield from _mapping({"controller": law})
         yield "  # gravity_compensation: true"
         yield "  # period: 0.001  # [s]"
     yield ""
@@ -167,5 +167,5 @@ def _numbers(values: tuple[float, ...]) -> list[float]:
 
 
 def _plain(text: str) -> str:
-    """In one line."""
+    """The text in one line."""
     return " ".join(text.split())

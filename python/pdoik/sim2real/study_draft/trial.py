@@ -26,15 +26,15 @@ class Suspicion:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Told:
-    """What whoever asks for a draft knows already."""
+class GivenKeys:
+    """Keys that are given with the request for a draft."""
 
     study: Mapping[str, Any] = field(default_factory=dict)  # keys of a study: see `OF_STUDY`
     entry: Mapping[str, Any] = field(default_factory=dict)  # keys of each recording's entry
     topics: Mapping[str, str] = field(default_factory=dict)  # such keys, of bags only
 
     def entry_of(self, log: Path) -> dict[str, Any]:
-        """What a log's entry says beside its file."""
+        """What a log's entry says besides its file."""
         return {**self.entry, **(self.topics if is_bag(log) else {})}
 
 
@@ -50,16 +50,16 @@ class Trial:
     logs: tuple[Path, ...]  # the usable ones, as they were given
     left_out: Mapping[Path, str]  # the others, by why they cannot be used
     units: Mapping[str, Suspicion]  # by channel
-    told: Told
+    told: GivenKeys
 
 
-def tried(robot: Path, logs: Sequence[Path], told: Told) -> Trial:
-    """Load the logs, leaving out those that cannot be used beside others.
+def tried(robot: Path, logs: Sequence[Path], given: GivenKeys) -> Trial:
+    """Load the logs, leaving out those that cannot be used together with others.
 
     Args:
         robot: URDF or MJCF.
         logs: at least one.
-        told: what is known already.
+        given: what is known already.
 
     Raises:
         LoadError: the robot or a log is not there, or none of the logs can be used.
@@ -68,10 +68,10 @@ def tried(robot: Path, logs: Sequence[Path], told: Told) -> Trial:
         if not log.exists():
             names = [each.name for each in log.parent.iterdir()] if log.parent.is_dir() else []
             raise LoadError(f"no such log: {log}{nearest(log.name, names)}")
-    loader = _Loader(robot, told)
+    loader = _Loader(robot, given)
     usable: list[Path] = []
     why: dict[Path, LoadError] = {}
-    for log in (*logs, *logs):  # a log at rest is of use beside one that moves
+    for log in (*logs, *logs):  # a log at rest is of use together with one that moves
         if log in usable:
             continue
         try:
@@ -88,18 +88,18 @@ def tried(robot: Path, logs: Sequence[Path], told: Told) -> Trial:
     usable.sort(key=[*logs].index)
     study = loader.load(usable)
     left_out = {log: str(error) for log, error in why.items()}
-    return Trial(study=study, logs=tuple(usable), left_out=left_out, units=loader.units, told=told)
+    return Trial(study=study, logs=tuple(usable), left_out=left_out, units=loader.units, told=given)
 
 
 class _Loader:
     """Loads logs as a study, with units as their numbers ask for."""
 
-    def __init__(self, robot: Path, told: Told) -> None:
+    def __init__(self, robot: Path, given: GivenKeys) -> None:
         self.units: dict[str, Suspicion] = {}
-        self._robot, self._told = robot, told
+        self._robot, self._given = robot, given
 
     def load(self, logs: Sequence[Path]) -> Study:
-        """Of these logs; a unit that is suspected is taken, once for each channel."""
+        """The study of these logs; a suspected unit is taken, once for each channel."""
         while True:
             try:
                 return self._loaded(logs)
@@ -111,12 +111,12 @@ class _Loader:
     def _loaded(self, logs: Sequence[Path]) -> Study:
         suspected = {channel: each.unit for channel, each in self.units.items()}
         content = {
-            **self._told.study,
+            **self._given.study,
             "robot": str(self._robot.resolve()),
             "recordings": [
-                {"file": str(log.resolve()), **self._told.entry_of(log)} for log in logs
+                {"file": str(log.resolve()), **self._given.entry_of(log)} for log in logs
             ],
-            "units": {**suspected, **(self._told.study.get("units") or {})},
+            "units": {**suspected, **(self._given.study.get("units") or {})},
         }
         with tempfile.TemporaryDirectory(prefix="pdoik-study-") as folder:
             path = Path(folder) / "study.yaml"

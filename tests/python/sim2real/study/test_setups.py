@@ -168,7 +168,7 @@ FAULTS: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "nothing to compensate": (
         {"compensated": True},
-        "b.csv: compensated: expected 'payload:' or 'robot:' beside it",
+        "b.csv: compensated: expected 'payload:' or 'robot:' with it",
     ),
     "nothing is compensated": (
         {
