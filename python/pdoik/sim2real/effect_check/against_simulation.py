@@ -32,7 +32,7 @@ def against_simulation(trial: Trial) -> Outcome:
     if not trial.parts:
         why = "it has no part in a simulation"
         if not trial.plain.compute(effect, place, trial.shape):
-            why = "it acts in a log only, and adds to no balance: it is told before anything is fit"
+            why = "it acts in a log only and adds to no balance: it is found before any fit"
         return not_applicable(COLUMNS, why)
     try:
         with_effect = trial.balances
@@ -45,8 +45,8 @@ def against_simulation(trial: Trial) -> Outcome:
     said = {key: column @ trial.beta for key, column in columns.items()}
     scales = {key: _scale(with_effect, key) for key in with_effect.keys}
     size = _rms(with_effect, said, scales)
-    plain = _without_beside(trial, trial.plain)
-    logged = _without_beside(trial, with_effect)
+    plain = _without_others(trial, trial.plain)
+    logged = _without_others(trial, with_effect)
     left = _rms(
         with_effect,
         {key: y - said.get(key, 0.0) for key, y in logged.items()},
@@ -64,10 +64,10 @@ def against_simulation(trial: Trial) -> Outcome:
     return at_most(COLUMNS, left / size, limit, words)
 
 
-def _without_beside(trial: Trial, b: Balances) -> dict[Key, FloatArray]:
-    """The residual less what the example has beside the effect."""
+def _without_others(trial: Trial, b: Balances) -> dict[Key, FloatArray]:
+    """The residual less the example's other effects, (N,) by key."""
     left = dict(b.residual)
-    for other, shape, beta in trial.beside:
+    for other, shape, beta in trial.others:
         assert trial.place is not None
         for key, column in b.compute(other, trial.place, shape).items():
             left[key] = left[key] - column @ beta

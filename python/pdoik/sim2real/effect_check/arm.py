@@ -35,7 +35,7 @@ class Arm:
         Args:
             folder: that is there.
             seconds: of the motion [s].
-            held: a body that is known to be in its hand.
+            held: a known body attached to its hand.
         """
         self.folder, self.robot = folder, folder / "arm.urdf"
         self.robot.write_text(_urdf(), encoding="utf-8")
@@ -48,7 +48,7 @@ class Arm:
         self._held = held
 
     def holding(self, payload: Payload) -> Arm:
-        """The same with a known body in its hand."""
+        """The same arm with a known body attached to its hand."""
         return Arm(self.folder, self._seconds, payload)
 
     def run(
@@ -57,7 +57,7 @@ class Arm:
         """What a simulation with parts logs: every channel, and the tip's poses.
 
         Args:
-            parts: beside the description's.
+            parts: in addition to the description's.
             name: of the recording.
             late: where in the commanded motion it begins [s].
 
@@ -72,12 +72,12 @@ class Arm:
 
     @cached_property
     def plain_run(self) -> Recording:
-        """What the arm as its description has it logs."""
+        """What the arm logs as it is described."""
         return self.run()
 
     @cached_property
     def plain(self) -> Balances:
-        """Of that."""
+        """The balances of `plain_run`."""
         return self.balances(self.plain_run)
 
     def study(self, *recordings: Recording, split: str = "by recording") -> Study:
@@ -95,7 +95,7 @@ class Arm:
         )
 
     def balances(self, recording: Recording) -> Balances:
-        """As a diagnosis puts them up."""
+        """The balances of a recording, as a diagnosis makes them."""
         return prepare(self.study(recording)).fit
 
 

@@ -19,8 +19,8 @@ def found(trial: Trial, arm: Arm) -> Outcome:
     """Whether a diagnosis of two recordings with modest noise names it at its place.
 
     Where its first figure is its size, that has to be near the example's. Or it names one that it
-    says it is confused with, or another of which the diagnosis says that data cannot tell the two
-    apart.
+    says it is confused with, or another of which the diagnosis says that data cannot distinguish
+    the two.
 
     Args:
         trial: of the effect.

@@ -11,7 +11,7 @@ Status = Literal["pass", "fail", "not applicable"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """Of one check; without a figure `measured` and `limit` are NaN."""
+    """The outcome of one check; without a figure `measured` and `limit` are NaN."""
 
     check: str
     status: Status

@@ -24,21 +24,21 @@ class Trial:
         self.arm = arm if example.held is None else arm.holding(example.held)
         self.shape, self.beta = effect.coefficients(example.values, example.shape)
         others = [(known(name), values) for name, values in example.beside.items()]
-        self.beside = [(other, *other.coefficients(values)) for other, values in others]
+        self.others = [(other, *other.coefficients(values)) for other, values in others]
 
     @cached_property
     def plain_run(self) -> Recording:
-        """What the arm logs without the effect, with what the example has beside it."""
-        return self.arm.run(self.with_parts) if self.beside else self.arm.plain_run
+        """What the arm logs without the effect, with the example's other effects."""
+        return self.arm.run(self.with_parts) if self.others else self.arm.plain_run
 
     @cached_property
     def plain(self) -> Balances:
-        """Of that."""
-        return self.arm.balances(self.plain_run) if self.beside else self.arm.plain
+        """The balances of `plain_run`."""
+        return self.arm.balances(self.plain_run) if self.others else self.arm.plain
 
     @property
     def motion(self) -> Motion:
-        """The arm's without the effect."""
+        """The arm's motion without the effect."""
         return self.arm.plain.motions[0]
 
     @cached_property
@@ -52,8 +52,8 @@ class Trial:
 
     @cached_property
     def with_parts(self) -> tuple[Part, ...]:
-        """Of what the example has beside the effect."""
-        return tuple(part for each, shape, _ in self.beside for part in self._parts_of(each, shape))
+        """The parts of the example's other effects."""
+        return tuple(part for each, shape, _ in self.others for part in self._parts_of(each, shape))
 
     def _parts_of(self, other: Effect, shape: Shape) -> tuple[Part, ...]:
         return parts_of_finding(self.finding(self.example.beside[other.id], shape, other))
@@ -70,7 +70,7 @@ class Trial:
     def finding(
         self, values: Mapping[str, float], shape: Shape, effect: Effect | None = None
     ) -> Finding:
-        """As a diagnosis would give it, of the effect or another at its place."""
+        """The finding that a diagnosis would give of the effect, or of another at its place."""
         effect = effect or self.effect
         place = self.place
         assert place is not None
@@ -116,5 +116,5 @@ class Trial:
 
     @cached_property
     def balances(self) -> Balances:
-        """Of what the arm logs with the effect."""
+        """The balances of what the arm logs with the effect."""
         return self.arm.balances(self.logged)

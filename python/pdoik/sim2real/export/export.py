@@ -135,16 +135,16 @@ def _evened_out(described: Description, model: Model, parts: list[Part]) -> tupl
 
 
 def _smooth_friction(model: Model) -> tuple[str, ...]:
-    """Dry friction that changes its sign over some way or speed; URDF and MJCF know a step only."""
-    ways = {
+    """Dry friction that changes its sign over some width; URDF and MJCF know a step only."""
+    widths = {
         "coulomb_friction": ("rad/s of rest", _WIDTH_OF_REST),
         "presliding_hysteresis": ("rad after a reversal", 0.0),
     }
     return tuple(
         f"the width of {f.joints[0]}'s dry friction: it changes its sign within"
-        f" {f.shape[0]:.2g} {ways[f.effect][0]}, here at once"
+        f" {f.shape[0]:.2g} {widths[f.effect][0]}, here at once"
         for f in model.findings
-        if f.effect in ways and f.shape and f.shape[0] > ways[f.effect][1]
+        if f.effect in widths and f.shape and f.shape[0] > widths[f.effect][1]
     )
 
 
@@ -239,7 +239,7 @@ def _corrected(model: Model) -> list[Part]:
 
 
 def _placed(parts: list[Part], robot: str) -> list[Part]:
-    """With turned frames instead of encoders' zeros, which come after errors of placement."""
+    """The parts with turned frames instead of encoders' zeros, which come last."""
     parts = sorted(parts, key=lambda part: isinstance(part, SensorChange))
     return [_with_placement(part, robot) for part in parts]
 

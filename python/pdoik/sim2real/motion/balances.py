@@ -33,7 +33,7 @@ class Cause(Protocol):
 
     @property
     def id(self) -> str:
-        """Its name."""
+        """The effect's name."""
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """What it adds per unit of its coefficients, at the motion's rate."""
@@ -91,8 +91,8 @@ class Balances:
         self._recent: dict[_Name, dict[Key, FloatArray]] = {}  # the latest last
         self._last: tuple[_Name | None, list[Columns]] = None, []
         self._free = [free_rows(motion, self.thresholds.noise) for motion in motions]
-        beside_pose = all(m.base is not None and m.base.disagreement is not None for m in motions)
-        self._imu_noise = [imu_noise(m) for m in motions] if beside_pose else []
+        with_pose = all(m.base is not None and m.base.disagreement is not None for m in motions)
+        self._imu_noise = [imu_noise(m) for m in motions] if with_pose else []
         self._cutoffs = self._lower_cutoffs()
         for key, values in self._freed(self._raw()).items():
             self._add(key, values)
@@ -237,7 +237,7 @@ class Balances:
         return raw
 
     def _lower_cutoffs(self) -> dict[Key, float]:
-        """Of balances that have nothing to say up to the motions' own [Hz]."""
+        """Cut-offs [Hz] of balances whose own is lower than the motions'."""
         if not self._imu_noise:
             return {}
         least = max(_PERIODS / (len(m.time) * m.period) for m in self.motions)
@@ -356,7 +356,7 @@ class Balances:
 
 
 def _of_foot(motions: Sequence[Motion], k: int) -> dict[Key, list[FloatArray]]:
-    """What foot k tells of the ground, 0 where it tells nothing."""
+    """What foot k shows of the ground, by balance; 0 where it shows nothing."""
     raw: dict[Key, list[FloatArray]] = {}
     for balance in _OF_FEET:
         each = [m.feet[k].of(balance) for m in motions]
@@ -381,7 +381,7 @@ def _usual_load(motions: Sequence[Motion], key: Key) -> float:
 
 
 def _where_judged(columns: Columns, motion: Motion) -> Columns:
-    """Columns of feet only where these tell something, as their balances are."""
+    """Columns of feet only where these show something, as their balances are."""
     return {
         key: np.where(motion.judged(key)[:, None], column, 0.0) if key[0] in _OF_FEET else column
         for key, column in columns.items()

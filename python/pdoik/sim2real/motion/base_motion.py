@@ -17,7 +17,7 @@ _UP = np.array([0.0, 0.0, 9.81])
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BaseMotion:
-    """Arrays are (T, 3) in the base's axes unless said otherwise."""
+    """The base's motion; arrays are (T, 3) in the base's axes unless said otherwise."""
 
     omega: FloatArray  # [rad/s]
     alpha: FloatArray  # [rad/s^2]
@@ -31,7 +31,7 @@ class BaseMotion:
 
     @property
     def up(self) -> FloatArray:
-        """Direction against gravity, (T, 3); by what is felt, where no pose tells."""
+        """Direction against gravity, (T, 3); by the specific force where there is no pose."""
         if self.rotation is not None:
             return self.rotation[:, 2]
         return np.asarray(self.force / np.linalg.norm(self.force, axis=1, keepdims=True))

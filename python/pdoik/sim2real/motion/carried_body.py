@@ -12,17 +12,17 @@ from .rigid_body import RigidBody
 
 
 class CarriedBody(RigidBody):
-    """Its base has the rates and the specific force of a recording, sample by sample.
+    """A robot whose base has the rates and specific force of a recording, sample by sample.
 
-    Seen from the base, which Pinocchio is told stands still where it was: forces depend on rates,
-    accelerations and the specific force alone, which holds gravity.
+    Seen from the base, which stands still for Pinocchio: forces depend on rates, accelerations
+    and the specific force alone, which contains gravity.
     """
 
     base: BaseMotion
 
     @classmethod
     def on(cls, body: RigidBody, base: BaseMotion) -> CarriedBody:
-        """The body carried along a recording of as many samples as `base` has."""
+        """The body moved along a recording of as many samples as `base` has."""
         other = cls.__new__(cls)
         other.__dict__.update(body.__dict__)
         other.base = base
@@ -43,7 +43,7 @@ class CarriedBody(RigidBody):
         return acceleration
 
     def _by_gravity(self, configuration: FloatArray) -> FloatArray:
-        """To pull is to accelerate the other way."""
+        """Torques per gravity, (T, rows, 3): to pull is to accelerate the other way."""
         return -self._by_base(configuration)[:, :, :3]
 
     def base_inertia(self, q: FloatArray) -> FloatArray:

@@ -125,7 +125,7 @@ def _samples(motions: Sequence[Motion], j: int) -> _Samples | None:
 
 
 def _noise(torque: FloatArray) -> float:
-    """Of white noise, by second differences: what is slower does not count."""
+    """Standard deviation of white noise [N m], by second differences: slow changes cancel."""
     bend = np.diff(torque, 2)
     return 1.4826 * float(np.median(np.abs(bend))) / np.sqrt(6.0) if len(bend) else np.inf
 
@@ -178,7 +178,7 @@ def _ceiling(
 
 
 def _left(s: _Samples, no_load: float) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Share of the level that is left at each speed, and samples that tell it from none."""
+    """Share of the level that is left at each speed, and samples that show it is there."""
     left = 1.0 - s.along / no_load
     use = left > _LEFT
     if np.isfinite(no_load):

@@ -17,12 +17,12 @@ from .signals import dilated, zero_phase
 
 _LIGHT, _FIRM = 0.1, 0.3  # of the load of one that stands: may touch; surely stands
 _ALONG_AXIS = np.cos(np.radians(1.0))
-_SWITCH = 1.5  # sensors that say two things, and never more than this, tell only whether
+_SWITCH = 1.5  # sensors that say two things, and never more than this, say only whether
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FootMotion:
-    """One foot. Axes and origin are the base's."""
+    """One foot along a recording. Axes and origin are the base's."""
 
     foot: Foot
     place: FloatArray  # (T, 3) of the spot that touches the ground [m]
@@ -44,12 +44,12 @@ class FootMotion:
     slips: NDArray[np.bool_] | None = None  # (T,)
 
     def of(self, balance: Balance) -> FloatArray | None:
-        """What one of the feet's balances is of, (T, channels); None: nothing tells of it."""
-        told = {"foot": self.height, "tilt": self.tilt, "grip": self.grip}[balance]
-        return None if told is None else told.reshape(len(told), -1)
+        """What one of the feet's balances is of, (T, channels); None where it is unknown."""
+        values = {"foot": self.height, "tilt": self.tilt, "grip": self.grip}[balance]
+        return None if values is None else values.reshape(len(values), -1)
 
     def judged(self, key: Key) -> NDArray[np.bool_]:
-        """Samples at which it tells of the ground, (T,)."""
+        """Samples at which it shows where the ground is, (T,)."""
         balance, channel = key
         if balance == "tilt":
             return self.stands & (not self.rocks[channel % 2])
@@ -79,9 +79,9 @@ def feet_of(
     feet = []
     for k, foot in enumerate(floating.feet):
         poses, jacobians = body.poses_and_jacobians(q, body.frame(foot.link))
-        lever = poses[:, :3, :3] @ np.array(foot.at) - (foot.sole or 0.0) * body.base.up
-        place = poses[:, :3, 3] + lever
-        jacobians[:, :3] -= np.cross(lever[:, :, None], jacobians[:, 3:], axis=1)
+        offset = poses[:, :3, :3] @ np.array(foot.at) - (foot.sole or 0.0) * body.base.up
+        place = poses[:, :3, 3] + offset
+        jacobians[:, :3] -= np.cross(offset[:, :, None], jacobians[:, 3:], axis=1)
         sensed = None if recording.contact is None else recording.contact[:, k]
         sensor = None if sensed is None or not np.isfinite(sensed).any() else sensed
         touches = np.ones(len(q), dtype=np.bool_)
@@ -137,7 +137,7 @@ def force_by_position(foot: FootMotion, force: FloatArray, depth: FloatArray) ->
 
 
 def _upright(foot: Foot, body: CarriedBody, poses: FloatArray, n: int) -> FloatArray | None:
-    """Normal of a flat foot's sole, (T, 3) in the base's axes, where its link's axes tell of it.
+    """Normal of a flat foot's sole, (T, 3) in the base's axes, where its link's axes show it.
 
     The sole is level where all joints are at 0 and the base is. One that is then along no axis of
     its link is of a robot whose zero is no stance.
@@ -150,7 +150,7 @@ def _upright(foot: Foot, body: CarriedBody, poses: FloatArray, n: int) -> FloatA
 
 
 def _load(body: CarriedBody, feet: int) -> float:
-    """What each foot carries of a robot that stands on all, [N]."""
+    """Force on each foot [N] of a robot that stands on all."""
     mass = float(np.sum(body.inertial_parameters()[:, 0]))
     return mass * STANDARD_GRAVITY / feet
 

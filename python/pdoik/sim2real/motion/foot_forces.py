@@ -88,14 +88,14 @@ def _tilt(foot: FootMotion, rotation: FloatArray) -> FloatArray | None:
 
 
 def _rocks(foot: FootMotion, tilt: FloatArray | None, limits: FeetThresholds) -> tuple[bool, ...]:
-    """Along which axes it is no ground that its sole follows while it stands."""
+    """Axes along which the sole of a standing foot follows no ground."""
     if tilt is None:
         return (True, True)
     return tuple(bool(each > limits.tilt) for each in tilt[foot.stands].std(axis=0))
 
 
 def _with_loads(motion: Motion, loads: list[FloatArray]) -> Motion:
-    """With what likeliest forces on the feet do to the torques, and how that changes by joints."""
+    """The motion with the torques of the likeliest foot forces, and their change by joints."""
     assert motion.body is not None
     pairs = list(zip(motion.feet, loads, strict=True))
     each = [force_by_position(foot, load[:, :3], motion.body.depth) for foot, load in pairs]

@@ -62,7 +62,7 @@ class FreeRows:
 
 
 def free_rows(motion: Motion, limits: NoiseThresholds) -> FreeRows | None:
-    """Of a motion whose base floats; None of another."""
+    """The free rows of a motion whose base floats; None for a fixed base."""
     if motion.base is None:
         return None
     left = foot_directions(motion, limits).left()
@@ -95,7 +95,7 @@ def _white_noise(motion: Motion) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Directions:
-    """Along which forces of unknown size act on rows of which some are unknown anyway.
+    """Directions along which forces of unknown size act on rows, some of them unknown anyway.
 
     By singular values, not by normal equations: rows may be a million times as sure as others.
     """
@@ -108,14 +108,14 @@ class Directions:
     along: FloatArray  # (T, m, k) V'
 
     def left(self) -> FloatArray:
-        """What takes the directions off torques, (T, rows, rows)."""
+        """Projections of torques that leave no force along the directions, (T, rows, rows)."""
         taken = self.across * (self.value > _FELT)[:, None, :]
         left = self.known[:, :, None] * np.eye(len(self.sigma))
         left -= taken @ np.transpose(taken, (0, 2, 1))
         return np.asarray(left * self.sigma[:, None] / self.sigma)
 
     def sizes(self, torques: FloatArray) -> FloatArray:
-        """Of the forces, by torques (T, rows): the likeliest, usual ones being likely; (T, k)."""
+        """The likeliest sizes of the forces, (T, k), by torques (T, rows) and usual sizes."""
         white = np.where(self.known, torques / self.sigma, 0.0)
         each = np.einsum("trm,tr->tm", self.across, white)
         each *= self.value / (self.value**2 + 1.0)
@@ -125,7 +125,7 @@ class Directions:
 def directions_of(
     forces: FloatArray, usual: FloatArray, known: NDArray[np.bool_], sigma: FloatArray
 ) -> Directions:
-    """Of forces, (T, rows, k), zero where one does not act.
+    """The directions of forces, (T, rows, k), zero where one does not act.
 
     Args:
         forces: torques per unit of each.
@@ -141,7 +141,7 @@ def directions_of(
 
 
 def foot_directions(motion: Motion, limits: NoiseThresholds) -> Directions:
-    """Of what may press on the feet; joints that say nothing and a base that is held apart."""
+    """Directions of forces on the feet; rows of silent joints and of a held base are unknown."""
     hung_up = motion.setup.held and motion.recording.contact is None
     feet = () if hung_up else motion.feet
     none = np.zeros((len(motion.time), motion.rows, 1))

@@ -11,9 +11,9 @@ from ..study import Setup
 
 
 def given_sessions(setups: Sequence[Setup]) -> NDArray[np.intp] | None:
-    """Number of each recording's session, (recordings,); None where fewer than two are told.
+    """Number of each recording's session, (recordings,); None where fewer than two are given.
 
-    Recordings of which the study tells no session are of one session.
+    Recordings without a session in the study are of one session.
     """
     labels = list(dict.fromkeys(setup.session for setup in setups))
     if len(labels) < 2:

@@ -29,7 +29,7 @@ _LARGE = ("regressor", "joint_poses", "placement ", "play ")  # names of what is
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """Arrays are (T, n) unless said otherwise; (T, rows, ...) as those of `RigidBody`."""
+    """A smooth motion and its model; arrays are (T, n) or, as in `RigidBody`, (T, rows, ...)."""
 
     recording: Recording
     body: RigidBody | None
@@ -46,7 +46,7 @@ class Motion:
     valid: NDArray[np.bool_]  # (T,)
     torque: FloatArray | None  # as recorded, commanded or by the controller's law; NaN columns
     source: Source  # of the torque
-    command: FloatArray | None  # torque the drive was told to give, where both were recorded
+    command: FloatArray | None  # commanded torque, where both were recorded
     law: FloatArray | None  # torque by the controller's law
     controller: Controller | None
     tau: FloatArray  # (T, rows) of the rigid body; zeros without a model
@@ -74,7 +74,7 @@ class Motion:
 
     @property
     def rows(self) -> int:
-        """Of its torques: the joints', and the base's where that floats."""
+        """Rows of its torques: the joints', and the base's where that floats."""
         return int(self.tau.shape[1])
 
     def row_key(self, i: int) -> Key:
@@ -100,7 +100,7 @@ class Motion:
         return self.cache["dtau_dturn"]
 
     def judged(self, key: Key) -> NDArray[np.bool_]:
-        """Samples at which a foot tells of the ground, (T,)."""
+        """Samples at which a foot shows where the ground is, (T,)."""
         return self.feet[foot_of(key)].judged(key)
 
     def on_rows(self, values: FloatArray) -> Columns:
@@ -155,11 +155,11 @@ class Motion:
         return inertia * self.ddq[:, j]
 
     def has_command(self, j: int) -> bool:
-        """Whether joint j's torque was recorded beside what the drive was told."""
+        """Whether joint j's torque was recorded together with the drive's command."""
         return self.command is not None and bool(np.isfinite(self.command[:, j]).all())
 
     def has_law(self, j: int) -> bool:
-        """Whether a torque or a command of joint j was recorded beside the controller's law."""
+        """Whether a torque or a command of joint j was recorded besides the controller's law."""
         return self.law is not None and self.source not in ("law", "")
 
     def law_of(self, j: int) -> FloatArray:

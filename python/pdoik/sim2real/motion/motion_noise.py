@@ -36,7 +36,7 @@ def inertial_noise(motion: Motion) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ImuNoise:
-    """Densities of white noise beside which an IMU and a base's pose disagree, (6,) as these do."""
+    """Densities of white noise in an IMU and a base's pose, (6,) as the two disagree."""
 
     pose: FloatArray  # [rad^2/Hz] of turns, [m^2/Hz] of places
     imu: FloatArray  # [(rad/s)^2/Hz], [(m/s^2)^2/Hz]
@@ -51,7 +51,7 @@ class ImuNoise:
         return np.asarray(ratio ** (0.5 / _ORDERS) / (2 * np.pi), dtype=np.float64)
 
     def variance(self, cutoff: float) -> FloatArray:
-        """Of both below a cut-off [Hz], (6,)."""
+        """Variance of both together below a cut-off [Hz], (6,)."""
         power = 2.0 * _ORDERS + 1.0
         moved = self.pose * (2 * np.pi) ** (2.0 * _ORDERS) * cutoff**power / power
         return np.asarray(moved + self.imu * cutoff, dtype=np.float64)
@@ -61,7 +61,7 @@ _ORDERS = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # derivatives of the pose
 
 
 def imu_noise(motion: Motion) -> ImuNoise:
-    """Of a motion with a pose and an IMU."""
+    """The noise of a motion with a pose and an IMU."""
     recording = motion.recording
     assert recording.base is not None
     assert recording.gyro is not None

@@ -62,5 +62,5 @@ class Place:
     recording: str | None = None
     window: tuple[float, float] | None = None
     gate: Gate | None = None
-    held: Payload | None = None  # the known body without which it does nothing
+    held: Payload | None = None  # the attached body without which it does nothing
     foot: int | None = None

@@ -1,4 +1,4 @@
-"""From a study to the motions and balances of its recordings."""
+"""Makes the motions and balances of a study's recordings."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def rigid_body(study: Study) -> RigidBody | None:
 
 
 def prepare(study: Study, body: RigidBody | None = None, cutoff: float | None = None) -> Prepared:
-    """Smooth every recording and put up its balances.
+    """Smooth every recording and make its balances.
 
     Args:
         study: with its recordings read.

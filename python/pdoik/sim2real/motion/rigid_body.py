@@ -84,7 +84,7 @@ class RigidBody:
 
     @property
     def rows(self) -> int:
-        """Of its torques: the joints', and the base's where that floats."""
+        """Rows of its torques: the joints', and the base's where that floats."""
         return len(self._rows)
 
     def _position(self, q: FloatArray) -> FloatArray:
@@ -266,7 +266,7 @@ class RigidBody:
         return axis if np.linalg.norm(axis) > 0.5 else None
 
     def neighbours(self) -> list[tuple[int, int]]:
-        """Pairs of joints that follow one another along a chain, both ways round."""
+        """Pairs of joints that follow one another along a chain, in both orders."""
         before = [self._before(i) for i in self._ids]
         pairs = [(a, b) for b, a in enumerate(before) if a is not None]
         pairs.sort(key=lambda pair: int(self.depth[pair[0]]))

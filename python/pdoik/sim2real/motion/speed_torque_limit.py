@@ -90,7 +90,7 @@ def speed_torque_limit(
 
 
 def _variance(given: FloatArray, period: float) -> float:
-    """Of white noise, at the recording's rate."""
+    """Variance of white noise, at the recording's rate [(N m)^2]."""
     density = float(noise_density(given[:, None], period, 0.25 / period)[0])
     return density * 0.5 / period
 

@@ -13,8 +13,8 @@ from pdoik.recordings import FloatArray
 
 from .motion import Motion
 
-_ANGLES = 2.0 * np.pi / 5.0 * np.arange(1, 5)  # beside the motion's own [rad]
-_WAYS = (-1.0, 1.0)  # of a slider [m]
+_ANGLES = 2.0 * np.pi / 5.0 * np.arange(1, 5)  # away from the motion's own [rad]
+_STEPS = (-1.0, 1.0)  # of a slider [m]
 
 
 def torque_turned(motion: Motion, j: int, by: float) -> FloatArray:
@@ -23,7 +23,7 @@ def torque_turned(motion: Motion, j: int, by: float) -> FloatArray:
     slides = motion.body.axis(j) is None
     here, others = motion.tau_without_rotor(), _elsewhere(motion, j, slides)
     if slides:
-        own, each = 1.0 - by * by, [0.5 * by * (by + way) for way in _WAYS]
+        own, each = 1.0 - by * by, [0.5 * by * (by + way) for way in _STEPS]
     else:
         own, each = _kernel(by), [_kernel(by - angle) for angle in _ANGLES]
     total = own * here
@@ -33,7 +33,7 @@ def torque_turned(motion: Motion, j: int, by: float) -> FloatArray:
 
 
 def _kernel(angle: float) -> float:
-    """Dirichlet's, of degree two and five nodes: 1 at its own and 0 at the others."""
+    """Dirichlet's weights of degree two and five nodes: 1 at its own and 0 at the others."""
     return float((1.0 + 2.0 * np.cos(angle) + 2.0 * np.cos(2.0 * angle)) / 5.0)
 
 
@@ -45,7 +45,7 @@ def _elsewhere(motion: Motion, j: int, slides: bool) -> list[FloatArray]:
             del motion.cache[old]
         assert motion.body is not None
         found = []
-        for by in _WAYS if slides else _ANGLES:
+        for by in _STEPS if slides else _ANGLES:
             q = motion.q.copy()
             q[:, j] += by
             found.append(motion.body.torque(q, motion.dq, motion.ddq))

@@ -68,7 +68,7 @@ def gears_of(parts: tuple[Part, ...], joints: tuple[str, ...]) -> dict[int, Gear
 
 
 def play_name(joint: str) -> str:
-    """Of the joint between a joint's motor and link."""
+    """Name of the joint between a joint's motor and link."""
     return f"{joint}.play"
 
 

@@ -82,7 +82,7 @@ def nearest(name: str, names: Iterable[str], what: str) -> str:
 
 
 def urdf_inertial(link: ElementTree.Element) -> Inertial:
-    """Of a URDF's <link>, in the link's frame.
+    """Inertial parameters of a URDF's <link>, in the link's frame.
 
     Raises:
         ValueError: a figure is missing or no number.

@@ -21,7 +21,7 @@ class DriftReset:
     recorded torque within milliseconds. The others' motion is not lost for that.
 
     Args:
-        stepper: That is held.
+        stepper: Whose joints are put back.
         time: Of the recording, (T,) [s].
         q: Recorded positions, (T, n).
         dq: Recorded speeds, (T, n).

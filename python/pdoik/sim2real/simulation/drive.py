@@ -1,4 +1,4 @@
-"""From a commanded torque to the one exerted, joint by joint."""
+"""What drives make of commanded torques, joint by joint."""
 
 from __future__ import annotations
 

@@ -27,13 +27,13 @@ class Inertial:
 
     @classmethod
     def about_com(cls, mass: float, com: FloatArray, inertia: FloatArray) -> Inertial:
-        """From the inertia (3, 3) about the centre of mass, in axes parallel to the frame's."""
+        """Made from the inertia (3, 3) about the centre of mass, axes parallel to the frame's."""
         com = np.asarray(com, dtype=float)
         return cls(mass=mass, first_moment=mass * com, inertia=inertia + mass * _steiner(com))
 
     @classmethod
     def from_ten(cls, ten: Sequence[float] | FloatArray) -> Inertial:
-        """From mass, first moments x y z, inertias xx xy yy xz yz zz about the origin."""
+        """Made from mass, first moments x y z, inertias xx xy yy xz yz zz about the origin."""
         mass, x, y, z, xx, xy, yy, xz, yz, zz = (float(each) for each in ten)
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         return cls(mass=mass, first_moment=np.array([x, y, z]), inertia=inertia)
@@ -58,7 +58,7 @@ class Inertial:
 
     @property
     def inertia_about_com(self) -> FloatArray:
-        """In axes parallel to the frame's, (3, 3) [kg m^2]."""
+        """Inertia about the centre of mass, axes parallel to the frame's, (3, 3) [kg m^2]."""
         return np.asarray(self.inertia - self.mass * _steiner(self.com))
 
     @property

@@ -25,7 +25,7 @@ class JointLaws:
         self.forget()
 
     def forget(self) -> None:
-        """As before anything happened."""
+        """Reset everything to the state before anything happened."""
         plant = self._plant
         self._load = [0.0] * len(plant.joints)
         self._at_link = [0.0] * len(plant.joints)  # torques beyond the gear

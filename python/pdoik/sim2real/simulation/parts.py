@@ -15,7 +15,7 @@ from typing import Literal
 from .inertial import Inertial
 
 Law = Callable[[float, float, float, float], float]
-"""Of time [s], position [rad], speed [rad/s] and the torque through the gear [N m]."""
+"""Torque or level [N m] by time [s], position [rad], speed [rad/s], torque in the gear [N m]."""
 
 Vector = tuple[float, float, float]
 SensedChannel = Literal["q", "dq", "tau"]
@@ -62,7 +62,7 @@ class HardFriction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DofChange:
-    """Added to a joint's figures."""
+    """What is added to a joint's figures."""
 
     joint: str
     damping: float = 0.0  # [N m s/rad]
@@ -78,7 +78,7 @@ class LinkChange:
     link: str  # the last joint's for ""
     inertial: Inertial
     replace: bool = False
-    held: str = ""  # label of the known body with which alone it is there; always for ""
+    held: str = ""  # label of the attached body without which it is not there; "": always there
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,7 +146,7 @@ class DriveChange:
 
     The command acts `delay` later, is limited, lags; the result y is what the drive reports, and
     (y - offset) / gain what it exerts. Of a controller's commands that is the desired position;
-    the torque it makes of that may come late besides.
+    the torque it makes of that may come late, too.
     """
 
     joint: str
@@ -183,7 +183,7 @@ class SensorChange:
 class Coupling:
     """The motor of `by` moves `joint` too: true = motor + ratio motor_by.
 
-    So the motor of `by` carries ratio times the torque of `joint` besides its own.
+    So the motor of `by` has ratio times the torque of `joint` in addition to its own.
     """
 
     joint: str
@@ -199,7 +199,7 @@ class ExternalForce:
     force: Vector  # in the base frame [N]
     window: tuple[float, float] | None = None  # [s]; None: always
     recordings: tuple[str, ...] = ()  # only in these; () for all
-    at_origin: bool = False  # of the link, even where that carries the tip
+    at_origin: bool = False  # of the link, even where the tip is on it
 
 
 Part = (

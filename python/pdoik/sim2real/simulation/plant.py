@@ -56,7 +56,7 @@ class Plant:
     notes: tuple[str, ...] = ()
 
     def longest_step(self, longest: float, frequency: float = 0.0) -> float:
-        """At most `longest`, short enough for the stiffest spring, never under `FINEST_STEP`."""
+        """The step [s]: up to `longest`, short for the stiffest spring, at least `FINEST_STEP`."""
         fastest = max(self.fastest, frequency)
         if fastest * longest <= STEP_PER_PERIOD:
             return longest

@@ -179,7 +179,7 @@ class Simulator:
         return period / count, count if held else 1
 
     def _add_missing_rotors(self, q: FloatArray, period: float, drive: DrivenBy) -> None:
-        """So that the controller does not shake a model whose rotors are not known."""
+        """Add rotors where they are not known, so that the controller does not shake the model."""
         plant = self.stepper.plant
         plant.set_armature(self._armature)
         self._added = ()
@@ -199,7 +199,7 @@ class Simulator:
             )
 
     def _commands(self, commands: Recording, drive: DrivenBy, times: FloatArray) -> list[Any]:
-        """Per command: desired positions and speeds, or torques, as they act."""
+        """Desired positions and speeds, or torques, per command, as they act."""
         drives = [self.stepper.drive_of(k) for k in range(len(self.joints))]
 
         def acting(channel: str, delayed: bool = True) -> list[list[float]]:

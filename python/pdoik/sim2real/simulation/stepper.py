@@ -194,7 +194,7 @@ class Stepper:
         return poses
 
     def _forget(self) -> None:
-        """Drives, delays and friction as before the first command."""
+        """Reset drives, delays and friction to before the first command."""
         dt, n = self._dt, len(self.joints)
         changes = self._drives_of
         self._drives = [

@@ -1,4 +1,4 @@
-"""The user's own simulator beside the machine: what differs, and by which of its properties.
+"""The user's own simulator and the machine: what differs, and by which of its properties.
 
 Comes in: a `Study` with a log of the simulator (`simulation:`), or its model (`simulator:`), and
 recordings of the machine. Goes out: a `Comparison`, with runs paired by their commands, errors by

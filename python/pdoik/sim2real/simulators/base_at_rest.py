@@ -1,4 +1,4 @@
-"""Recordings of a base that moves, which simulators of a fixed base cannot be held against."""
+"""Recordings of a base that moves, which simulators of a fixed base cannot be compared with."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _SPIN = 0.1  # root mean square of its angular velocity that it lets happen [rad
 
 
 def check_base_at_rest(recording: Recording) -> None:
-    """That the base was held, by its pose and its gyroscope where these were logged.
+    """Check that the base was held, by its pose and its gyroscope where these were logged.
 
     Raises:
         ValueError: it was not.

@@ -77,7 +77,7 @@ def terms_of(user: UserModel) -> tuple[Term, ...]:
 
 
 def baseline(user: UserModel, parameter_id: ParameterId) -> float:
-    """Its value in the user's model."""
+    """The parameter's value in the user's model."""
     return PROPERTIES[parameter_id.property].read(user, parameter_id.index)
 
 
@@ -96,7 +96,7 @@ def model_with(user: UserModel, values: Values) -> Any:
 
 
 def delays_with(user: UserModel, values: Values) -> list[float]:
-    """By how much each joint's command acts later, (n,) [s]."""
+    """The delay of each joint's command, (n,) [s]."""
     shared = values.get(ParameterId("delay", EVERY), 0.0)
     return [shared + values.get(ParameterId("delay", k), 0.0) for k in range(len(user.joints))]
 

@@ -82,7 +82,7 @@ class Choice:
         return list(dict.fromkeys(found))
 
     def model(self, terms: Sequence[Term], like: Model | None = None, rounds: int = 40) -> Model:
-        """The kernel's, of these terms."""
+        """The kernel's model of these terms."""
         chosen = [self._hypotheses[i] for i in self.places(terms)]
         return Model(self._data, chosen, like, rounds)
 
@@ -100,7 +100,7 @@ class Choice:
         return std
 
     def log_odds(self, terms: Sequence[Term]) -> float:
-        """Before the data, that all of these differ."""
+        """Log odds, before the data, that all of these terms differ."""
         each = (self._usual if self._is_ordinary(term) else self._anomalous for term in terms)
         return float(sum(each))
 
@@ -129,7 +129,7 @@ class Choice:
         return max(found, key=self._log_posterior)
 
     def without_doubles(self, terms: Sequence[Term]) -> tuple[Term, ...]:
-        """Of terms that are one torque those that moved most: they could only undo each other."""
+        """The terms, of several that are one torque only the one that moved most."""
         kept: list[Term] = []
         for term in sorted(set(terms) & set(self.terms), key=lambda each: -self.moves(each)):
             if not any(self._is_double(term, each) for each in kept):
@@ -158,7 +158,7 @@ class Choice:
         return tuple(now)
 
     def _with_less(self, terms: list[Term], model: Model) -> list[Term] | None:
-        """Without the terms that the posterior keeps least, if it keeps them not at all.
+        """The terms without those that the posterior keeps least; None if it keeps them all.
 
         What is left must be possible: no loss may become negative in their place.
         """
@@ -183,8 +183,8 @@ class Choice:
 
         Of terms that may be left out the ratio of evidence is the density of their coefficients at
         nothing, before the data and after (Dickey, Annals of Mathematical Statistics 42, 1971).
-        Several of one joint may undo each other, and joints' own figures stand beside a common
-        one: the data keep each of them, and not all.
+        Several of one joint may undo each other, and joints' own figures stand next to a
+        common one: the data keep each of them, and not all.
         """
         places = self.places(terms)
         inverse = model.inverse
@@ -221,7 +221,7 @@ class Choice:
         return best
 
     def rivals(self, chosen: Sequence[Term], term: Term) -> tuple[Rival, ...]:
-        """Terms that in the place of a chosen one explain the data as well, best first."""
+        """Terms that explain the data as well in place of a chosen one, best first."""
         others = [each for each in chosen if each != term]
         model = self.model(chosen)
         mine = model.log_evidence + self.log_odds([term])

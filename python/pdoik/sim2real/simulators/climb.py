@@ -52,7 +52,7 @@ class Climb:
         self.rows = np.full(len(experiment.channels), rows)
 
     def values(self, x: FloatArray) -> dict[ParameterId, float]:
-        """Of the parameters that are not the user's."""
+        """Values of the parameters that are not the user's."""
         both = zip(self.parameters, x, strict=True)
         return {each.parameter_id: each.value(at) for each, at in both if at != each.start}
 
@@ -79,7 +79,7 @@ class Climb:
         return likely - 0.5 * float((((x - self.start) / self.std) ** 2).sum())
 
     def to_top(self, x: FloatArray, active: Mask, rounds: int, enough: float) -> FloatArray:
-        """Where no step of the active parameters gains as much as `enough`, or rounds are over.
+        """Coordinates at which no step gains as much as `enough`, or rounds are over.
 
         Lines are laid anew where a step with old ones gains little.
         """

@@ -89,7 +89,7 @@ def _at_rate(recording: Recording, rate: float) -> Recording:
 def _local_shift(
     machine: Recording, simulation: Recording, inside: NDArray[np.bool_], shift: float
 ) -> float | None:
-    """Of one window; None where commands do not move in it, or the best is at the end."""
+    """The shift of one window [s]; None where no command moves, or the best is at the end."""
     assert machine.q_des is not None
     wanted = machine.q_des[inside]
     if inside.sum() < 8 or np.ptp(wanted, axis=0).max() < _MOVES:

@@ -13,7 +13,7 @@ from .user_model import UserModel
 
 
 def check_commands(recording: Recording, joints: Sequence[str]) -> None:
-    """That q_des was logged of every joint.
+    """Check that q_des was logged of every joint.
 
     Raises:
         ValueError: it was not.

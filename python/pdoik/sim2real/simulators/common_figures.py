@@ -1,4 +1,4 @@
-"""One candidate in other coordinates: what several joints have alike is told of them together."""
+"""One candidate in other coordinates: what joints have in common becomes one figure of all."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class _Figures:
         self.values, self.ratios = values, ratios
 
     def of(self, name: str) -> dict[ParameterId, float]:
-        """Of each joint's own."""
+        """Values of a property by parameter, each joint's own."""
         return {k: v for k, v in self.values.items() if k.property == name and k.index != EVERY}
 
 
-Way = Callable[[_Figures], dict[ParameterId, float] | None]
+Change = Callable[[_Figures], dict[ParameterId, float] | None]
 
 
 def with_common_figures(climb: Climb, x: FloatArray) -> FloatArray:
@@ -37,13 +37,13 @@ def with_common_figures(climb: Climb, x: FloatArray) -> FloatArray:
     or of all gains for theirs, a factor of one drive for its two gains.
     """
     each_drive = [partial(_with_factor, k=k) for k in range(len(climb.experiment.user.joints))]
-    stages: tuple[tuple[Way, ...], ...] = (
+    stages: tuple[tuple[Change, ...], ...] = (
         (_with_delay,),
         (_with_factor_of_kp, _with_factor_of_gains),
-        *((way,) for way in each_drive),
+        *((change,) for change in each_drive),
     )
-    for ways in stages:
-        others = [_changed(climb, x, way) for way in ways]
+    for changes in stages:
+        others = [_changed(climb, x, change) for change in changes]
         x = max((x, *others), key=lambda at: _log_prior(climb, at))
     return x
 
@@ -52,7 +52,7 @@ def _log_prior(climb: Climb, x: FloatArray) -> float:
     return -float((((x - climb.start) / climb.std) ** 2).sum())
 
 
-def _changed(climb: Climb, x: FloatArray, way: Way) -> FloatArray:
+def _changed(climb: Climb, x: FloatArray, change: Change) -> FloatArray:
     """The candidate with changed figures; x if there are none of that kind."""
     values = {
         each.parameter_id: each.value(float(at))
@@ -63,7 +63,7 @@ def _changed(climb: Climb, x: FloatArray, way: Way) -> FloatArray:
         for each in climb.parameters
         if (base := each.value(each.start)) > 0.0
     }
-    changed = way(_Figures(values, ratios))
+    changed = change(_Figures(values, ratios))
     if changed is None or not changed.keys() <= climb.place.keys():
         return x
     other = x.copy()

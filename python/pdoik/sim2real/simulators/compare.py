@@ -1,4 +1,4 @@
-"""From a study to what its simulator and its machine differ by: `pdoik compare` in Python."""
+"""Finds what a study's simulator and machine differ by: `pdoik compare` in Python."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ Shown = dict[str, FloatArray]  # (T, n) by channel
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
-    """One recording of the machine beside simulations of it, (T, n) positions."""
+    """One recording of the machine together with simulations of it, (T, n) positions."""
 
     recording: Recording
     simulator: FloatArray  # as it is; NaN where its log has nothing
-    model: FloatArray | None  # the model that was held against the machine, unchanged
+    model: FloatArray | None  # the model that was compared with the machine, unchanged
     patched: FloatArray | None  # the same with the patch
 
 
@@ -53,7 +53,7 @@ class Comparison:
 
 
 def compare(study: Study | str | os.PathLike[str], *, tell: Tell | None = None) -> Comparison:
-    """Hold a simulator against the machine, and say which of its properties differ.
+    """Compare a simulator with the machine, and say which of its properties differ.
 
     Args:
         study: with `simulator:` (its model), `simulation:` (its log), or both.
@@ -133,7 +133,7 @@ def _compare(study: Study, say: Tell) -> Comparison:
 def _first_step(
     study: Study, user: UserModel | None, say: Tell, notes: list[str]
 ) -> tuple[Step | None, UserModel | None]:
-    """What the simulator has beyond the description, and the model to hold against the machine."""
+    """What the simulator has beyond the description, and the model to compare with the machine."""
     limits = study.thresholds.simulators
     if study.robot is None:
         return None, user

@@ -10,14 +10,14 @@ import numpy as np
 from pdoik.recordings import FloatArray, Recording
 
 BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 5.0), (5.0, 15.0), (15.0, np.inf))
-"""Of frequency [Hz], in which the error's size is given."""
+"""Bands of frequency [Hz], in which the error's size is given."""
 
 UNITS = {"q": "rad", "dq": "rad/s", "tau": "N m"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """Of one channel of one joint in one recording."""
+    """How far apart both are in one channel of one joint in one recording."""
 
     recording: str
     joint: str
@@ -32,7 +32,7 @@ class Difference:
 def differences_of(
     machine: Recording, shown: dict[str, FloatArray], joints: Sequence[str]
 ) -> tuple[Difference, ...]:
-    """Of all channels that both have.
+    """The differences in all channels that both have.
 
     Args:
         machine: the recording.

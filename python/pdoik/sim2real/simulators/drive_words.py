@@ -48,7 +48,7 @@ class Kv(Property):
 
 
 class KpFactor(Property):
-    """By how much all proportional gains differ alike: a unit, or firmware."""
+    """Factor by which all proportional gains differ: a unit, or firmware."""
 
     name, unit, place = "kp_factor", "", "machine"
     isaac = "stiffness of all joint drives, times this"
@@ -64,7 +64,7 @@ class KpFactor(Property):
 
 
 class GainFactor(Property):
-    """By how much a drive's gains differ alike, of all drives or one: a torque constant."""
+    """Factor by which both gains of one drive or of all differ: a torque constant."""
 
     name, unit = "gain_factor", ""
     mujoco = "kp and kv, times this"

@@ -131,12 +131,12 @@ class Experiment:
         return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
 
     def largest_torque(self, values: Values, k: int) -> float:
-        """That a joint's drive gives in any run of a candidate [N m]."""
+        """The largest torque that a joint's drive gives in any run of a candidate [N m]."""
         _, sensed = self._rolled(values)
         return float(np.abs(sensed[..., self.user.torque_sensors[k]]).max())
 
     def allow_for_step(self, values: Values) -> None:
-        """From now on `run` adds what truer steps change in this candidate.
+        """Let `run` add, from now on, what truer steps change in this candidate.
 
         What a simulator's step does to a motion (half a step of delay, more or less damping) is
         none of its properties, and must not pass for one of the machine's. Truer is a fourth of
@@ -305,7 +305,7 @@ class Experiment:
     def _command(
         self, recording: Recording, k: int, times: FloatArray, dt: float, looked_at: bool
     ) -> FloatArray:
-        """One joint's, as it was sent, (K,)."""
+        """One joint's command, as it was sent, (K,)."""
         q_des = recording.q_des
         assert q_des is not None
         if self._is_faster(recording):

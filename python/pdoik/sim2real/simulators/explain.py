@@ -35,7 +35,7 @@ _NOTHING = 1e-3  # of what is believed of a coordinate, that is no change
 _ROUNDS = 4  # of choosing, and of fitting what was chosen
 _BEGIN, _ALL, _CHOSEN, _LAST = (10, 5.0), (16, 1.0), (8, 0.5), (4, 0.5)
 """Steps of a climb at most, and what one of them must gain in log posterior: in short runs, of all
-ordinary parameters, of what was chosen, and of what is held to."""
+ordinary parameters, of what was chosen, and of what is kept."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,7 +54,7 @@ class Explained:
     gains: dict[Term, FloatArray]  # of each held-out block, (B,): less loss than without it
     share: dict[Term, float]  # of the squared held-out error that it takes away, where most
     shows: dict[Term, float]  # what it changes over the least that counts, where most
-    sigma: FloatArray  # by which errors are weighed
+    sigma: FloatArray  # by which errors are weighted
     noise: FloatArray  # white noise of each channel
     of_step: FloatArray  # root mean square of what the simulator's own step does to each
     blocks: int  # of time that figures were fitted to
@@ -63,7 +63,7 @@ class Explained:
     after: FloatArray  # (R, C) held-out, with the patch
 
     def left(self, shown: FloatArray) -> float:
-        """Of held-out data, over what is expected, squared."""
+        """Squared error on held-out data, over what is expected."""
         return float(_squares(self.held_out, shown, self.sigma).sum())
 
     def there(self, term: Term) -> float:
@@ -148,7 +148,7 @@ def explain(
 
     What every drive has is fitted together, from short runs in which nothing drifts far. About the
     likeliest candidate, evidence says which properties differ from the user's at all, and what
-    anomalous ones there are beside them; these are fitted again, and judged by held-out data.
+    anomalous ones there are besides; these are fitted again, and judged by held-out data.
 
     Args:
         user: the model.
@@ -193,7 +193,7 @@ def _patch_of(
     """The patch that leaves least of held-out data, of four; of equals the smallest.
 
     It has nothing, what held-out data are sure of, what they do not speak against, or all that
-    matters: what depends on others may look needless beside them.
+    matters: what depends on others may look needless with them.
     """
     matters = tuple(term for term in judged.terms if judged.shows[term] >= 1.0)
     likely = tuple(term for term in judged.terms if judged.is_likely(term, limits))
@@ -243,9 +243,9 @@ def _chosen(
         moved = _moved(climb, there)
         there = np.where(moved, there, climb.start)
         wanted = tuple(term for term in wanted if moved[choice.places([term])].any())
-        beside = about(there)
-        if beside.evidence(wanted) >= choice.evidence(chosen):
-            choice, chosen, x, back = beside, wanted, there, ()
+        refitted = about(there)
+        if refitted.evidence(wanted) >= choice.evidence(chosen):
+            choice, chosen, x, back = refitted, wanted, there, ()
             continue
         left_out = [term for term in chosen if term not in wanted]
         left_out.sort(key=lambda term: -choice.moves(term))
@@ -318,7 +318,7 @@ def _squares(held_out: Experiment, shown: FloatArray, sigma: FloatArray) -> Floa
 
 
 def _share(measured: FloatArray, without: FloatArray, with_it: FloatArray) -> float:
-    """Of a channel's squared error that a term takes away, of the channel where it is most."""
+    """The share of a channel's squared error that a term takes away, where it is most."""
     if not np.isfinite(without).all():
         return 1.0
     left = ((measured - with_it) ** 2).sum(axis=0)
@@ -343,7 +343,7 @@ def _shows(
         change: of the motion, (R, C); infinite where the model is unstable without the term.
         noise: of each channel, (C,).
         term: what is judged.
-        values: of its parameter_ids, and of others.
+        values: of its parameters, and of others.
         user: whose model.
         limits: what counts.
     """

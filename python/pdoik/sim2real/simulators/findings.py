@@ -1,4 +1,4 @@
-"""From what was fitted to findings in the simulator's own words, and a verdict of their step."""
+"""Findings in the simulator's own words by what was fitted, and a verdict of their step."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Changed:
 class Step:
     """One of the two questions: what a log has beyond a model, with its verdict."""
 
-    model: str  # what was held against the log
+    model: str  # what was compared with the log
     log: str  # simulator or machine
     verdict: Verdict
     findings: tuple[Finding, ...]  # whose names are believed

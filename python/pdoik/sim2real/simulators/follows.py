@@ -11,7 +11,7 @@ from .stability import advice
 
 
 def check_follows(experiment: Experiment, limits: SimulatorThresholds) -> None:
-    """That the user's model, as it is, stays near the recordings, whatever its step.
+    """Check that the user's model, as it is, stays near the recordings, whatever its step.
 
     Raises:
         SimulationError: a joint leaves its recorded range by far, or moves otherwise with a truer

@@ -54,7 +54,7 @@ def tags_of(text: str) -> Iterator[Tag]:
 
 
 def _end_of_tag(raw: bytes, begin: int) -> int:
-    """Behind the ">" of a start tag, which values in quotes may contain, too."""
+    """The place behind the ">" of a start tag, which values in quotes may contain, too."""
     match = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>").match(raw, begin)
     assert match is not None
     return match.end()

@@ -47,7 +47,7 @@ class Parameter:
     std: float
 
     def value(self, x: float) -> float:
-        """At a coordinate."""
+        """The value at a coordinate."""
         if self.kind == "log":
             return float(self.scale * np.exp(x))
         return float(self.scale * np.expm1(x)) if self.kind == "gap" else float(self.scale * x)
@@ -90,8 +90,8 @@ def _parameter(user: UserModel, parameter_id: ParameterId, scales: Sequence[Scal
         case "mass":
             kind, scale, std = "log", value, 0.1
         case "force_limit":
-            told = value < UNLIMITED
-            kind, scale, std = "log", value if told else 10.0 * torque, 0.5 if told else 2.0
+            limited = value < UNLIMITED
+            kind, scale, std = "log", value if limited else 10.0 * torque, 0.5 if limited else 2.0
         case "kv" | "damping":
             scale, std = 0.1 * torque / speed, 1.5
         case "frictionloss":

@@ -156,8 +156,8 @@ class _Editor:
         joint = self.user.joints[k]
         tag = None if self.user.law_outside else self._actuator(k)
         if tag is None or (tag.name not in ("position", "general") and "filter" in shown):
-            told = ", ".join(f"{name} {value:.3g}" for name, value in shown.items())
-            self.left_out.append(f"{told} of {joint}: to be given to the controller")
+            listed = ", ".join(f"{name} {value:.3g}" for name, value in shown.items())
+            self.left_out.append(f"{listed} of {joint}: to be given to the controller")
             return
         changed: dict[str, str | None] = {}
         if "filter" in shown and tag.name == "position":
@@ -173,7 +173,7 @@ class _Editor:
         self._edit(tag, changed)
 
     def _time_constant(self, late: float) -> float:
-        """Of a filter of MuJoCo's that is late by so much in the mean [s].
+        """The time constant of MuJoCo's filter that is late by so much in the mean [s].
 
         Its drives act on the activation of the step before.
         """

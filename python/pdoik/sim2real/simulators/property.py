@@ -24,7 +24,7 @@ class Property(ABC):
 
     @abstractmethod
     def read(self, user: UserModel, index: int) -> float:
-        """Its value in the user's model."""
+        """The property's value in the user's model."""
 
     @abstractmethod
     def write(self, user: UserModel, model: Any, index: int, value: float) -> None:
@@ -52,10 +52,10 @@ class OfArray(Property):
 
 
 def held(user: UserModel) -> float:
-    """By how much later torques may act that are held for a step [s].
+    """The delay of torques that may be held for a step [s].
 
     It is not known how long the machine's controller holds them, unless the study says it: then
-    candidates are held against a motion under torques that are held as long.
+    candidates are compared with a motion under torques that are held as long.
     """
     known = user.law is not None and user.law.period is not None
     return 0.0 if known else 0.5 * user.timestep

@@ -36,7 +36,7 @@ class Sampled:
 
     @classmethod
     def of(cls, user: UserModel, candidate: Any) -> Sampled:
-        """Of a candidate under the study's law, whose period must be known."""
+        """A sampled candidate under the study's law, whose period must be known."""
         assert user.law is not None
         assert user.law.period is not None
         period = user.law.period

@@ -13,7 +13,7 @@ _FASTEST = 1e4  # [rad/s]
 
 
 def check_states(user: UserModel, states: FloatArray, recording: str, start: float) -> None:
-    """That MuJoCo did not stop, and no speed left all bounds.
+    """Check that MuJoCo did not stop, and no speed left all bounds.
 
     Args:
         user: whose model ran.

@@ -55,7 +55,7 @@ class UserModel:
         return int(self.model.jnt_bodyid[self.joint_ids[k]])
 
     def trees(self) -> tuple[int, ...]:
-        """For each joint, the part of the machine that moves without the others' help.
+        """The part of the machine, by joint, that moves without the others' help.
 
         Joints of one kinematic tree belong together; equalities, tendons and contacts may couple
         trees, so with any of these all joints are one part.
@@ -114,10 +114,10 @@ def user_model(
         LoadError: MuJoCo cannot read it, it floats, a joint or its actuator is missing.
     """
     name = name or (source.name if isinstance(source, Path) else "the MJCF")
-    joints, told = tuple(joints), dict(actuators or {})
+    joints, named = tuple(joints), dict(actuators or {})
     spec = _spec(source, name)
     _check_joints(spec, joints, name)
-    outside = add_law(spec, joints, controller, told) if controller is not None else False
+    outside = add_law(spec, joints, controller, named) if controller is not None else False
     for joint in joints:
         spec.add_sensor(
             name=f"{_SENSOR}{joint}",
@@ -131,7 +131,7 @@ def user_model(
         raise LoadError(f"{name}: MuJoCo cannot compile it: {_words(error)}") from error
     ids = tuple(int(model.joint(joint).id) for joint in joints)
     driven = tuple(
-        _actuator_of(model, k, told.get(joint), joint, name)
+        _actuator_of(model, k, named.get(joint), joint, name)
         for k, joint in zip(ids, joints, strict=True)
     )
     addresses = getattr(model, "actuator_ctrladr", np.arange(model.nu))
@@ -213,7 +213,7 @@ def _check_joints(spec: Any, joints: Sequence[str], name: str) -> None:
             raise LoadError(f"{name}: joint {joint!r} is a ball, expected a hinge or a slide")
 
 
-def _actuator_of(model: Any, joint_id: int, told: str | None, joint: str, name: str) -> int:
+def _actuator_of(model: Any, joint_id: int, named: str | None, joint: str, name: str) -> int:
     """The position actuator of a joint."""
     names = [model.actuator(k).name or f"actuator {k}" for k in range(model.nu)]
     moves = [
@@ -222,12 +222,12 @@ def _actuator_of(model: Any, joint_id: int, told: str | None, joint: str, name: 
         if int(model.actuator_trntype[k]) in _OF_JOINT
         and int(model.actuator_trnid[k, 0]) == joint_id
     ]
-    if told is not None:
-        if told not in names:
-            raise LoadError(f"simulator: actuators: {name} has no {told!r}{nearest(told, names)}")
-        if names.index(told) not in moves:
-            raise LoadError(f"simulator: actuators: {told!r} of {name} does not move {joint!r}")
-        return names.index(told)
+    if named is not None:
+        if named not in names:
+            raise LoadError(f"simulator: actuators: {name} has no {named!r}{nearest(named, names)}")
+        if names.index(named) not in moves:
+            raise LoadError(f"simulator: actuators: {named!r} of {name} does not move {joint!r}")
+        return names.index(named)
     servos = [k for k in moves if model.actuator_biasprm[k, 1] != 0.0]
     if len(servos) == 1:
         return servos[0]
@@ -246,7 +246,7 @@ def _actuator_of(model: Any, joint_id: int, told: str | None, joint: str, name: 
 
 
 def add_law(
-    spec: Any, joints: Sequence[str], controller: Controller, told: Mapping[str, str]
+    spec: Any, joints: Sequence[str], controller: Controller, named: Mapping[str, str]
 ) -> bool:
     """Let motors of the study's joints follow its controller's law; True where some do.
 
@@ -256,7 +256,7 @@ def add_law(
     changed = False
     for k, joint in enumerate(joints):
         mine = [a for a in spec.actuators if a.target == joint]
-        if any(a.biasprm[1] != 0.0 for a in mine) or joint in told:
+        if any(a.biasprm[1] != 0.0 for a in mine) or joint in named:
             continue
         kp, kd = float(controller.kp[k]), float(controller.kd[k])
         motors = [a for a in mine if int(a.biastype) == _NO_BIAS]
@@ -296,5 +296,5 @@ def _collides(model: Any) -> bool:
 
 
 def _words(error: ValueError) -> str:
-    """MuJoCo's own, in one line."""
+    """MuJoCo's own words, in one line."""
     return " ".join(str(error).split())

@@ -48,7 +48,7 @@ def patch_table(step: Step, left_out: Sequence[str]) -> str:
 
 
 def or_else(finding: Finding) -> str:
-    """Its equivalents, in parentheses; "" where it has none."""
+    """The finding's equivalents, in parentheses; "" where it has none."""
     names = [
         f"{each.effect} of {', '.join(each.joints or each.links)}" for each in finding.equivalents
     ]

@@ -24,7 +24,7 @@ _MOST_PICTURES = 3
 
 
 def write(folder: str | Path, comparison: Comparison) -> Path:
-    """Write all of it; gives the page's path.
+    """Write the comparison; returns the page's path.
 
     Raises:
         OSError: the folder cannot be made or written to.

@@ -128,9 +128,7 @@ class Missing:
         return self._pieces[names]
 
 
-_ALIKE = (
-    0.05  # share of a contribution that ordinary effects leave unexplained, else it looks like them
-)
+_ALIKE = 0.05  # share of a contribution that ordinary effects must leave, or it looks like them
 _LITTLE = 0.02
 
 

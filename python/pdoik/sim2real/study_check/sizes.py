@@ -170,7 +170,7 @@ class Sizes:
         return {key: column @ beta for key, column in columns.items()}
 
     def _claimed(self, effect: Effect, place: Place, shape: Shape, amount: float) -> float:
-        """At least what is claimed, however clear: sampling and differentiation may look like it."""
+        """At least what is claimed, however clear: sampling and derivatives may look like it."""
         motions = self.balances.motions
         for _ in range(60):
             if not np.isfinite(amount) or _of_share(effect):
