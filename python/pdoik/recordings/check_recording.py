@@ -1,4 +1,4 @@
-"""From a file's raw columns to a recording, or to a message that says what is wrong with them."""
+"""Makes a recording of a file's raw columns, or a message that says what is wrong with them."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _is_of(column: str, joints: tuple[str, ...]) -> bool:
 
 
 def _with_rising_time(table: Table) -> Table:
-    """Without rows that have no time or that of the row before."""
+    """The table without rows that have no time or that of the row before."""
     time, notes = table.time, list(table.notes)
     keep = np.isfinite(time)
     if not keep.any():
@@ -319,7 +319,7 @@ def _unit_quaternions(name: str, of: str, wxyz: FloatArray) -> FloatArray:
 
 
 def _without_frozen(recording: Recording, joints: tuple[str, ...], notes: list[str]) -> Recording:
-    """Without measured columns that never change though their joint moves; the rest noted."""
+    """The recording without measured columns that never change though their joint moves."""
     moving = moves(recording)
     for joint, moved in zip(joints, moving, strict=True):
         if not moved:

@@ -17,7 +17,7 @@ _MOST = 1.05  # of the supply: a little more is rounding
 
 
 def with_supply(table: Table, joints: tuple[str, ...]) -> Table:
-    """With the column of the common supply as `voltage` of each joint that has a duty and none."""
+    """The table with the common supply as `voltage` of each joint that has a duty and none."""
     supply = table.columns.get(SUPPLY)
     if supply is None:
         return table
@@ -29,7 +29,7 @@ def with_supply(table: Table, joints: tuple[str, ...]) -> Table:
 
 
 def check_duty(recording: Recording, joints: tuple[str, ...], units: Units) -> None:
-    """That duties are shares of the supply, and supplies positive.
+    """Check that duties are shares of the supply, and supplies positive.
 
     Raises:
         LoadError: they are not, with the line that settles it.

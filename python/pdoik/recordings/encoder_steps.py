@@ -8,8 +8,8 @@ import numpy as np
 
 from .recording import FloatArray
 
-_OFF = 0.05  # of a step by which positions may lie beside its multiples: they are printed
-_FEWEST = 20  # positions that tell of a step
+_OFF = 0.05  # of a step by which positions may miss its multiples: they are printed
+_FEWEST = 20  # positions that show a step
 _NEAREST = 1.5  # times the least distance of two positions, within which it is one step
 
 

@@ -16,7 +16,7 @@ FAR = GAP
 QUICK = 0.06
 """No joint sets off, goes far and stands again within it [s]: as seen at 20 Hz, not quite even."""
 
-_BESIDE = 3  # steps on either side that tell how the joint moves there
+_NEAR = 3  # steps on either side that show how the joint moves there
 _NOISE = 4.0  # times the usual change from step to step: more than three steps of noise add up to
 _SAME = 1e-6  # of the largest step: steps that differ by less are the same, but for float noise
 
@@ -26,7 +26,7 @@ IntArray = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Steps:
-    """From each new value of a column to the next, (S,): what repeats the last says nothing new."""
+    """Steps from each new value of a column to the next, (S,); repeated values are no steps."""
 
     before: IntArray  # row of the last reading of the old value
     after: IntArray  # row of the first of the new one
@@ -38,7 +38,7 @@ class Steps:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Beside:
+class Around:
     """How a joint moves before and after a step."""
 
     moved: float  # during the step, if it goes on like that
@@ -53,14 +53,14 @@ class Jumps:
     index: IntArray  # among the steps
     size: FloatArray  # with its sign, the joint's own motion taken off
     change: FloatArray  # by which the sizes are uncertain
-    way: IntArray  # as in `Beside`
+    way: IntArray  # as in `Around`
     reach: float  # the most that the joint moves in a sample elsewhere
     noise: float  # what it seems to move within a few while it stands
     others: BoolArray  # (S,) steps of the joint's own
 
 
 def steps_of(time: FloatArray, x: FloatArray) -> Steps | None:
-    """Of a column with rising times, NaN where nothing was logged; None if it never changes."""
+    """The steps of a column with rising times, NaN where nothing was logged; None without any."""
     there = np.flatnonzero(np.isfinite(x))
     t, values = time[there], x[there]
     new = np.flatnonzero(np.diff(values) != 0.0) + 1
@@ -86,7 +86,7 @@ def jumps_of(steps: Steps, speed: FloatArray | None) -> Jumps | None:
     """Steps far beyond all others, and beyond the recorded speed; None if there are none.
 
     A body takes several samples to set off and to stop, a jump is over in one: jumps stand alone,
-    or go back and forth. Those much smaller than the largest are not told yet.
+    or go back and forth. Those much smaller than the largest are not reported yet.
 
     Args:
         steps: Of a column of positions.
@@ -109,7 +109,7 @@ def jumps_of(steps: Steps, speed: FloatArray | None) -> Jumps | None:
         return None
     others = ~steps.lost & ~jumps
     noise = noise_of(steps, others)
-    around = [beside(steps, others, int(k), noise) for k in index]
+    around = [around_of(steps, others, int(k), noise) for k in index]
     return Jumps(
         index=index,
         size=steps.size[index] - np.array([each.moved for each in around]),
@@ -121,10 +121,10 @@ def jumps_of(steps: Steps, speed: FloatArray | None) -> Jumps | None:
     )
 
 
-def beside(steps: Steps, others: BoolArray, k: int, noise: float) -> Beside:
-    """Of step k, by the steps on either side up to a jump or a gap."""
+def around_of(steps: Steps, others: BoolArray, k: int, noise: float) -> Around:
+    """How the joint moves around step k, by the steps on either side up to a jump or a gap."""
     paces, moves, cadence = [], [], 0.0
-    for near in (range(k - 1, k - 1 - _BESIDE, -1), range(k + 1, k + 1 + _BESIDE)):
+    for near in (range(k - 1, k - 1 - _NEAR, -1), range(k + 1, k + 1 + _NEAR)):
         own: list[int] = []
         for i in near:
             if not 0 <= i < len(others) or not others[i]:
@@ -133,11 +133,11 @@ def beside(steps: Steps, others: BoolArray, k: int, noise: float) -> Beside:
         if own:
             move = float(steps.size[own].sum())
             paces.append(move / float(steps.since[own].sum()))
-            moves.append(move if len(own) == _BESIDE else 0.0)
+            moves.append(move if len(own) == _NEAR else 0.0)
             cadence = max(cadence, float(steps.since[own[0]]))
     lasted = min(float(steps.since[k]), cadence)  # what stood for longer had stopped
     way = int(np.sign(moves[0])) if len(moves) == 2 and moves[0] * moves[1] > 0.0 else 0
-    return Beside(
+    return Around(
         moved=float(np.mean(paces)) * lasted if paces else 0.0,
         change=float(np.ptp(paces)) * lasted if paces else 0.0,
         way=way if way and min(map(abs, moves)) > noise else 0,

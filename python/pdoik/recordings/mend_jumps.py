@@ -91,10 +91,10 @@ def _in_si(table: Table, column: str, units: Units, slides: bool) -> FloatArray 
 
 
 def _certain(steps: Steps, jumps: Jumps) -> IntArray:
-    """Those of the steps that are certainly no move of the joint.
+    """Steps that are certainly no move of the joint.
 
     Where samples are too few it may move between two of them; where it does not move otherwise,
-    nothing tells how far it can; and where a reading was held it may have moved meanwhile.
+    nothing shows how far it can; and where a reading was held it may have moved meanwhile.
     """
     own = range_of_own(steps, jumps.others)
     if steps.period > QUICK or own < max(STILL, FAR * jumps.noise):
@@ -117,16 +117,16 @@ def _without(
     shown = ", ".join(f"{each:.3f}" for each in when[:_NAMED]) + ", ..." * (len(when) > _NAMED)
     size = np.abs(steps.size[index])
     sizes = " to ".join(dict.fromkeys(f"{each:.3g}" for each in (size.min(), size.max())))
-    told = (
+    text = (
         f"{column} jumps {_times(len(index))} by {sizes} {unit} (at {shown} s), farther than it can"
         " move from one sample to the next"
     )
     if np.isfinite(x[rows]).sum() > _MOST * np.isfinite(x).sum():
         raise LoadError(
-            f"{table.name}: {told}, and not as an encoder that wraps; without what is around them"
+            f"{table.name}: {text}, and not as an encoder that wraps; without what is around them"
             " too little is left, expected positions that a joint can follow"
         )
-    return np.where(rows, np.nan, x), f"{told}: left out within {_AROUND:g} s"
+    return np.where(rows, np.nan, x), f"{text}: left out within {_AROUND:g} s"
 
 
 def _of_wrap(column: str, steps: Steps, wrap: Wrap, unit: str) -> list[str]:

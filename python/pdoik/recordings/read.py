@@ -19,7 +19,7 @@ from .units import KNOWN, Units
 
 
 def read_table(
-    path: Path, name: str, known: Known, part: Part, units: Units, told: Mapping[str, Any]
+    path: Path, name: str, known: Known, part: Part, units: Units, given: Mapping[str, Any]
 ) -> Table:
     """The columns of a log that are channels, or the time.
 
@@ -29,13 +29,13 @@ def read_table(
         known: Joints, and what is said of columns.
         part: Which rows.
         units: What is said of units; a log's own are in the table.
-        told: What else is said of how to read it: `rate`, and keys of its kind.
+        given: What else is said of how to read it: `rate`, and keys of its kind.
 
     Raises:
         LoadError: it cannot be read, has no time, a cell is no number, or it has too many rows.
     """
-    rate = told.get("rate")
-    with open_log(path, name, {key: v for key, v in told.items() if key != "rate"}) as log:
+    rate = given.get("rate")
+    with open_log(path, name, {key: v for key, v in given.items() if key != "rate"}) as log:
         settled, unsettled = settle(name, log.columns, known)
         naming = naming_notes(settled)
         period = _period(log, name, settled, rate)
@@ -92,7 +92,7 @@ def _period(log: Log, name: str, settled: Sequence[Settled], rate: float | None)
 
 
 def _time_unit(timed: Sequence[Settled], units: Units) -> float:
-    """Of the column of times [s]; what is counted, or made of stamps, is in seconds."""
+    """The unit [s] of the column of times; what is counted, or made of stamps, is in seconds."""
     if len(timed) != 1 or timed[0].column.converted:
         return 1.0
     return _said_of(timed[0], units).factor("time")

@@ -20,7 +20,7 @@ class Reading:
 
     @classmethod
     def of_content(cls, content: Mapping[str, Any], source: str) -> Reading:
-        """Of the keys of a study.
+        """The reading that a study's keys say.
 
         Raises:
             LoadError: they are not as expected.
@@ -33,12 +33,12 @@ class Reading:
 
     @property
     def key(self) -> ColumnsKey:
-        """Of the columns; other logs of the machine may lack some of them."""
+        """The key of the columns; other logs of the machine may lack some of them."""
         return ColumnsKey(sources=dict(self.columns), optional=True)
 
     @property
     def said_units(self) -> Units:
-        """Of the columns."""
+        """The units of the columns."""
         return Units(dict(self.units))
 
     @property

@@ -1,4 +1,4 @@
-"""From a file's own, possibly uneven times to a uniform grid."""
+"""Resamples a file's own, possibly uneven times to a uniform grid."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ _EPOCH = (5e8, 5e9)  # stamps between are seconds since 1970
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unit:
-    """Of a channel or a column."""
+    """The unit of a channel or a column."""
 
     si: str  # in which it is given
     logged: str  # in which the log has it
@@ -111,7 +111,7 @@ class RobotLog:
 
     @property
     def time(self) -> FloatArray:
-        """Since the first row, (T,) [s]."""
+        """Times since the first row, (T,) [s]."""
         return self.table.time
 
     @property
@@ -136,7 +136,7 @@ class RobotLog:
 
     @property
     def supply(self) -> FloatArray | None:
-        """Of the supply that all joints share, (T,) [V]; None: not logged."""
+        """Voltage of the supply that all joints share, (T,) [V]; None: not logged."""
         volts = self.table.columns.get(SUPPLY)
         return None if volts is None else volts * self.said.factor("voltage")
 
@@ -173,7 +173,7 @@ class RobotLog:
 
     @cached_property
     def units(self) -> dict[str, Unit]:
-        """By channel; by column, "q.gripper", where those of a channel differ."""
+        """Units by channel; by column, "q.gripper", where those of a channel differ."""
         found: dict[str, Unit] = {}
         for channel in self.channels:
             each = {column: self._unit(column) for column in self._columns(channel)}
@@ -372,6 +372,6 @@ def read_log(
 
 
 def _joints(table: Table) -> tuple[str, ...]:
-    """Those that have positions, in the log's order, else those that have anything."""
+    """Joints that have positions, in the log's order, else those that have anything."""
     pairs = (channel_of(column) for column in table.columns)
     return joints_of(table.columns) or tuple(dict.fromkeys(pair[1] for pair in pairs if pair))

@@ -50,7 +50,7 @@ class Units:
         return any(each.partition(".")[0] == channel for each in (*self.named, *self.written))
 
     def factor(self, column: str, prismatic: bool = False) -> float:
-        """By what a column is multiplied to be in SI; angles' units do not touch slides."""
+        """The factor of a column to SI; angles' units do not touch slides."""
         unit, source = self.said_of(column)
         angular = unit in _ANGLE or unit in _SPEED
         if not unit or (prismatic and angular and source == "named"):
@@ -68,12 +68,12 @@ class Units:
         return ("", "assumed") if written is None else (written, "log")
 
     def with_written(self, written: Mapping[str, str]) -> Units:
-        """With what a log says itself, where nobody else does."""
+        """The units with what a log says itself, where nobody else does."""
         return replace(self, written=written)
 
 
 def units_from(content: Any, source: str) -> Units:
-    """Of a mapping such as {q: deg, tau: mN.m, q.gripper: mm}.
+    """The units of a mapping such as {q: deg, tau: mN.m, q.gripper: mm}.
 
     Raises:
         LoadError: a channel or unit is not known.

@@ -14,19 +14,19 @@ import numpy as np
 from .jumps import FAR, QUICK, IntArray, Jumps, Steps, jumps_of, steps_of
 from .recording import STILL, FloatArray
 
-_GLITCHES = 0.1  # share of jumps that may be off, by a glitch beside them
+_GLITCHES = 0.1  # share of jumps that may be off, by a glitch next to them
 _BEYOND = 1e-3  # share of readings that may be glitches out of the encoder's range
 _SEVERAL = 3  # jumps of one size against the motion that no chance makes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Wrap:
-    """By how much an encoder's readings jump, and where."""
+    """How far an encoder's readings jump, and where."""
 
     size: float
     index: IntArray  # of the steps that jump
     turns: FloatArray  # of each, multiples of the size with their sign
-    reach: float  # the most that the column moves in a sample besides
+    reach: float  # the most that the column moves in a sample elsewhere
 
 
 def wrap_of(x: FloatArray, steps: Steps, jumps: Jumps, *, turns: bool) -> Wrap | None:
@@ -35,7 +35,7 @@ def wrap_of(x: FloatArray, steps: Steps, jumps: Jumps, *, turns: bool) -> Wrap |
     They are of one size, or multiples of it, up to what the joint moves in a sample. And either
     this is the whole range of what is read, and the joint goes on against the jumps, or at least
     moves at both ends; or it is a turn; or there are several jumps, all against the motion. Where
-    samples are few only turns are told, and of a joint that goes on: what is lifted slowly may
+    samples are few only turns are reported, and of a joint that goes on: what is lifted slowly may
     drop between two of them.
 
     Args:

@@ -1,4 +1,4 @@
-"""What kinds of logs that hold arrays share: their columns, and what tells names and rates."""
+"""What kinds of logs that hold arrays share: their columns, joints' names and rates."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..recording import FloatArray
 from .log import Column
 
 ENV = Key("a whole number", "which of several environments side by side", "0", "the only one")
-"""Of an entry."""
+"""The key of an entry that selects an environment."""
 
 ROWS = 16384
 """Rows of an array read at a time."""
@@ -83,13 +83,13 @@ def columns_of(
     }
 
 
-def env_of(name: str, told: Mapping[str, Any]) -> int | None:
+def env_of(name: str, given: Mapping[str, Any]) -> int | None:
     """Which environment a recording's entry says, None if it says none.
 
     Raises:
         LoadError: it is no such number.
     """
-    env = told.get("env")
+    env = given.get("env")
     if env is not None and (not isinstance(env, int) or isinstance(env, bool) or env < 0):
         raise LoadError(f"{name}: env: expected a number from 0 on, got {env!r}")
     return env
@@ -130,14 +130,14 @@ def period_in(name: str, said: Mapping[str, Any]) -> float | None:
 
 
 def _period_of_environment(content: Any) -> float | None:
-    """Of robomimic's and Isaac Lab's description of the environment, JSON text."""
+    """The period [s] in robomimic's or Isaac Lab's JSON of the environment; None without one."""
     try:
-        told = json.loads(_text(content)) if isinstance(content, str | bytes) else {}
+        environment = json.loads(_text(content)) if isinstance(content, str | bytes) else {}
     except ValueError:
         return None
-    if not isinstance(told, dict):
+    if not isinstance(environment, dict):
         return None
-    robosuite, isaac = told.get("env_kwargs"), told.get("sim_args")
+    robosuite, isaac = environment.get("env_kwargs"), environment.get("sim_args")
     if isinstance(robosuite, dict) and (rate := _number(robosuite.get("control_freq"))):
         return 1.0 / rate
     if isinstance(isaac, dict) and (step := _number(isaac.get("dt"))):
@@ -158,7 +158,7 @@ def _text(value: Any) -> str:
 
 
 def check_lengths(name: str, lengths: Mapping[str, int]) -> None:
-    """That arrays which are read together have as many rows.
+    """Check that arrays which are read together have as many rows.
 
     Raises:
         LoadError: two have not.

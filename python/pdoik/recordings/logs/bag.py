@@ -1,4 +1,4 @@
-"""ROS bags and MCAP files: joint states of ROS and of ros2_control, and commands beside them."""
+"""ROS bags and MCAP files: joint states of ROS and of ros2_control, and commands with them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _PIECE = 4096  # rows at a time
 class Bag(Log):
     """A ROS 2 bag (folder, .db3, .mcap) or ROS 1 bag.
 
-    A topic of any other type, where it is told, gives the numbers of its fields as columns. Times
+    A topic of any other type, where it is given, has the numbers of its fields as columns. Times
     are the messages' own stamps, those of the recorder where a message has none. Commands
     are held until the next, points of a trajectory are joined by lines, on the times of the states.
     """
@@ -42,12 +42,12 @@ class Bag(Log):
     def is_folder(cls, path: Path) -> bool:
         return (path / "metadata.yaml").is_file() or bool(_storages(path))
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
 
-        topic = _topic(name, told, "topic")
-        command_topic = _topic(name, told, "command_topic")
+        topic = _topic(name, given, "topic")
+        command_topic = _topic(name, given, "command_topic")
         self.notes = []
         self._name = name
         self._reader: Any = None
@@ -176,8 +176,8 @@ def _storages(path: Path) -> list[Path]:
     return sorted(each for each in path.iterdir() if each.suffix in (".mcap", ".db3"))
 
 
-def _topic(name: str, told: Mapping[str, Any], key: str) -> str | None:
-    topic = told.get(key)
+def _topic(name: str, given: Mapping[str, Any], key: str) -> str | None:
+    topic = given.get(key)
     if topic is not None and not isinstance(topic, str):
         raise LoadError(f"{name}: {key}: expected text, got {topic!r}")
     return topic

@@ -1,4 +1,4 @@
-"""Messages that tell of joints, as samples of `channel.joint`; of any other, its fields."""
+"""Messages about joints, as samples of `channel.joint`; of any other, its fields."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Topic:
     """Messages of one topic as samples (stamp [ns], {channel.joint: value})."""
 
     def __init__(self, reader: Any, bag: str, name: str, types: tuple[str, ...] | None) -> None:
-        """Of one of these types, or of any."""
+        """Find a topic of one of these types, or of any type for None."""
         if name not in reader.topics:
             raise LoadError(f"{bag}: no topic {name!r}{nearest(name, reader.topics)}")
         info = reader.topics[name]
@@ -55,7 +55,7 @@ class Topic:
         self._connections = [each for each in reader.connections if each.topic == name]
 
     def samples(self) -> Iterator[tuple[int, Sample]]:
-        """What was measured; of a controller's state, what it was told as well.
+        """What was measured; of a controller's state, its commands as well.
 
         Of a message that is none of `STATES`, all its numbers by the names of its fields.
         """
@@ -150,7 +150,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _interfaces(message: Any) -> Sample:
-    """Of DynamicJointState: what each joint's hardware tells, under the interface's name."""
+    """What each joint's hardware reports in a DynamicJointState, under the interface's name."""
     sample: Sample = {}
     for joint, interfaces in zip(message.joint_names, message.interface_values, strict=False):
         for field, value in zip(interfaces.interface_names, interfaces.values, strict=False):
@@ -159,7 +159,7 @@ def _interfaces(message: Any) -> Sample:
 
 
 def _references(message: Any) -> Sample:
-    """Of a controller's state: where it wants the joints, and the effort that it puts out."""
+    """Desired joint states and the effort that is put out, of a controller's state."""
     wanted = _of(_first(message, "reference", "desired"), message.joint_names, _POINT_COMMAND)
     output = getattr(message, "output", None)
     if output is not None:

@@ -25,7 +25,7 @@ _UNIT = re.compile(r"[\[(]?[A-Za-z°µ%1-]{0,10}([./*·^ ][A-Za-z0-9^-]{1,6})*[\
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CsvForm:
-    """Told by the first lines."""
+    """The form of a CSV file, known by its first lines."""
 
     header: tuple[str, ...]
     separator: str  # a space stands for any number of them

@@ -32,7 +32,7 @@ class CsvText(Log):
     kind = "CSV"
     suffixes = (".csv", ".tsv", ".txt", ".csv.gz", ".tsv.gz", ".txt.gz")
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         self.notes = []
         self._path, self._name = path, name
         try:
@@ -110,7 +110,7 @@ class CsvText(Log):
 
 
 def _encoding(opened: Callable[[], BinaryIO]) -> str:
-    """Of a file's first lines: UTF-8, or that of Windows for text which is none."""
+    """The encoding of a file's first lines: UTF-8, else that of Windows."""
     with opened() as file:
         begin = b"".join(islice(file, LOOKED_AT))
     try:
@@ -131,7 +131,7 @@ class _Changed:
         self.closed = False
 
     def read(self, size: int = _BLOCK) -> bytes:
-        """As many bytes at most."""
+        """At most `size` bytes of the file."""
         if not self._ready:
             self._ready = b"".join(map(self._change, self._file.readlines(size)))
         found, self._ready = self._ready[:size], self._ready[size:]

@@ -26,7 +26,7 @@ from .kinds import register
 from .log import Column, Log
 
 _ARTICULATIONS = "states/articulation/"  # where Isaac Lab keeps what the simulator's joints did
-_OF_POLICY = "a policy's observations may be relative to a pose; the states beside them are not"
+_OF_POLICY = "a policy's observations may be relative to a pose; the states next to them are not"
 _BROKEN = (OSError, RuntimeError, KeyError, ValueError, TypeError)  # h5py of a damaged file
 _SHOWN = 5
 _WORDS = 200  # more texts are no names of joints
@@ -36,7 +36,7 @@ _WORDS = 200  # more texts are no names of joints
 class Hdf5(Log):
     """Data sets (T,), (T, n) or of records, in the whole file or below one group.
 
-    A group is told by `group`, or as one of several demonstrations `demo_0`, ... by `demo`. Names
+    A group is given by `group`, or as one of several demonstrations `demo_0`, ... by `demo`. Names
     of joints, `dt` or `fps` may be attributes or data sets of the group or of any above.
     """
 
@@ -49,7 +49,7 @@ class Hdf5(Log):
         "env": ENV,
     }
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         try:
             import h5py
         except ImportError as error:
@@ -61,8 +61,8 @@ class Hdf5(Log):
         except _BROKEN as error:
             raise LoadError(f"{name}: no HDF5 file: {error}") from error
         try:
-            self._group = self._chosen(told)
-            self._open(env_of(name, told))
+            self._group = self._chosen(given)
+            self._open(env_of(name, given))
         except LoadError:
             self.close()
             raise
@@ -70,15 +70,15 @@ class Hdf5(Log):
             self.close()
             raise LoadError(f"{name}: no HDF5 file: {error}") from error
 
-    def _chosen(self, told: Mapping[str, Any]) -> Any:
+    def _chosen(self, given: Mapping[str, Any]) -> Any:
         """The group whose data sets are read."""
-        if "group" in told:
-            return self._at(str(told["group"]), "group")
+        if "group" in given:
+            return self._at(str(given["group"]), "group")
         demos = _demonstrations(self._file)
-        if "demo" in told:
+        if "demo" in given:
             if not demos:
                 raise LoadError(f"{self._name}: demo: it has no demonstrations 'demo_0', ...")
-            said = str(told["demo"])
+            said = str(given["demo"])
             for each in (said, f"demo_{said}"):
                 if each in demos:
                     return self._file[demos[each]]

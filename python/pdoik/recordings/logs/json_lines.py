@@ -1,4 +1,4 @@
-"""JSON lines: an object for each row, whose numbers may be nested, or lists beside their names."""
+"""JSON lines: an object for each row, whose numbers may be nested, or lists with their names."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class JsonLines(Log):
     suffixes = (".jsonl", ".ndjson", ".json", ".jsonl.gz")
     magic = (b"{",)
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         self.notes = []
         self._path, self._name = path, name
         self._whole = self._read_whole()
@@ -140,7 +140,7 @@ def _is_object(line: str) -> bool:
 
 
 def _rows_of(content: Any) -> list[dict[str, Any]] | None:
-    """Of a list of objects, or of an object with lists of the same length; else None."""
+    """The rows of a list of objects, or of an object with lists of the same length; else None."""
     if isinstance(content, list):
         return content if content and all(isinstance(each, dict) for each in content) else None
     if not isinstance(content, dict):
@@ -217,7 +217,7 @@ def _float(number: float) -> float:
 
 
 def _labels(content: dict[str, Any]) -> list[str]:
-    """Names that an object has beside lists of as many numbers."""
+    """Names that an object has for lists of as many numbers."""
     for key in _NAMES:
         value = content.get(key)
         if isinstance(value, list) and value and all(isinstance(each, str) for each in value):

@@ -40,28 +40,28 @@ def entry_keys() -> Keys:
     return {name: key for kind in KINDS.values() for name, key in kind.keys.items()}
 
 
-def open_log(path: Path, name: str, told: Mapping[str, Any]) -> Log:
+def open_log(path: Path, name: str, given: Mapping[str, Any]) -> Log:
     """A log, by its suffix or else by how it begins.
 
     Args:
         path: Of the file or folder.
         name: What messages call it.
-        told: What the recording's entry says beside the file.
+        given: What the recording's entry says besides the file.
 
     Raises:
-        LoadError: there is no such file, it is no log, or has nothing to do with what is told.
+        LoadError: there is no such file, it is no log, or has nothing to do with what is given.
     """
     if not path.exists():
-        beside = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
-        raise LoadError(f"{name}: no such file: {path}{nearest(path.name, beside)}")
+        names = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
+        raise LoadError(f"{name}: no such file: {path}{nearest(path.name, names)}")
     kind = _kind(path, name)
-    for key, value in told.items():
+    for key, value in given.items():
         if value is not None and key not in kind.keys:
             have = [each for each, other in KINDS.items() if key in other.keys]
             raise LoadError(
                 f"{name}: {key}: is of {' and '.join(have)} only, this file is {kind.kind}"
             )
-    return kind(path, name, {key: value for key, value in told.items() if value is not None})
+    return kind(path, name, {key: value for key, value in given.items() if value is not None})
 
 
 def _kind(path: Path, name: str) -> type[Log]:

@@ -36,7 +36,7 @@ class LeRobot(Log):
     def is_folder(cls, path: Path) -> bool:
         return (path / _INFO).is_file()
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         self.notes = []
         self._path, self._name = path, name
         try:
@@ -53,7 +53,7 @@ class LeRobot(Log):
             ) from error
         if not self._fps > 0:
             raise LoadError(f"{name}: meta/info.json: expected fps above 0, got {self._fps:g}")
-        self._episode = self._checked(told.get("episode"), count)
+        self._episode = self._checked(given.get("episode"), count)
         columns = [Column(name="time", unit="s", converted=True)]
         for feature, content in features.items():
             columns += _columns(feature, content)
@@ -110,7 +110,7 @@ class LeRobot(Log):
             raise LoadError(f"{self._name}: no frame of episode {self._episode} in data/")
 
     def _piece(self, batch: Any, places: Sequence[tuple[str, int | None]]) -> FloatArray:
-        """Of the frames of the episode."""
+        """Numbers (R, c) of the frames of the episode."""
         mine = number_column(batch.column("episode_index"), "episode_index", self._name)
         at = np.flatnonzero(mine == self._episode)
         piece = np.empty((len(at), len(places)))
@@ -152,8 +152,8 @@ def _groups(file: Any, episode: int) -> list[int]:
     leaf = leaves.index("episode_index")
     found = []
     for k in range(about.num_row_groups):
-        told = about.row_group(k).column(leaf).statistics
-        if told is None or not told.has_min_max or told.min <= episode <= told.max:
+        known = about.row_group(k).column(leaf).statistics
+        if known is None or not known.has_min_max or known.min <= episode <= known.max:
             found.append(k)
     return found
 

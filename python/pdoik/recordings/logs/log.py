@@ -50,13 +50,13 @@ class Log(ABC):
         return False
 
     @abstractmethod
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         """Open a log.
 
         Args:
             path: Of the file or folder, which is there.
             name: What messages call it.
-            told: What the recording's entry says under `keys`.
+            given: What the recording's entry says under `keys`.
 
         Raises:
             LoadError: it is no such log.

@@ -21,13 +21,13 @@ _NEWER = b"MATLAB 7.3 MAT-file"
 
 @register
 class Matlab(Log):
-    """Variables (T,), (T, n) or (n, T) by name; `joint_names`, `dt` or `fps` beside."""
+    """Variables (T,), (T, n) or (n, T) by name; `joint_names`, `dt` or `fps`, too."""
 
     kind = "MATLAB"
     suffixes = (".mat",)
     magic = (b"MATLAB 5.0 MAT-f",)
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         from scipy.io import loadmat
 
         self.notes = []
@@ -83,7 +83,7 @@ def _variables(content: Mapping[str, Any], path: str) -> Iterator[tuple[str, Any
 
 
 def _upright(series: Mapping[str, Any]) -> dict[str, Any]:
-    """With the time along the first axis: the length that most arrays have."""
+    """The series with time along the first axis: the length that most arrays have."""
     lengths = Counter(length for values in series.values() for length in set(values.shape))
     rows = max(lengths, key=lambda each: (lengths[each], each), default=0)
     return {

@@ -38,14 +38,14 @@ _BROKEN = (  # what zipfile and NumPy raise of a damaged file
 
 @register
 class Npz(Log):
-    """Arrays (T,), (T, n) and (T, E, n), and records (T,), by name; `joint_names`, `dt` beside."""
+    """Arrays (T,), (T, n) and (T, E, n), and records (T,), by name; `joint_names`, `dt`, too."""
 
     kind = "NPZ"
     suffixes = (".npz",)
     magic = (b"PK\x03\x04",)
     keys: ClassVar[Keys] = {"env": ENV}
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         self.notes = []
         self._name = name
         self._shapes: dict[str, tuple[int, ...]] = {}
@@ -55,7 +55,7 @@ class Npz(Log):
         except _BROKEN as error:
             raise LoadError(f"{name}: no NPZ file: {error}") from error
         try:
-            self._open(env_of(name, told))
+            self._open(env_of(name, given))
         except LoadError:
             self.close()
             raise
@@ -84,8 +84,8 @@ class Npz(Log):
             fields = [each for each in dtype.names or () if dtype[each].kind in "iufb"]
             columns |= columns_of(array, self._shapes[array], fields, names, env=env)
         if not columns:
-            held = f"; {', '.join(pickled)} hold Python objects, which are not read"
-            raise LoadError(f"{self._name}: no arrays of numbers{held if pickled else ''}")
+            objects = f"; {', '.join(pickled)} hold Python objects, which are not read"
+            raise LoadError(f"{self._name}: no arrays of numbers{objects if pickled else ''}")
         if pickled:
             self.notes.append(f"arrays of Python objects are not read: {', '.join(pickled)}")
         self.columns = tuple(columns)

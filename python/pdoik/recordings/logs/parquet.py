@@ -25,7 +25,7 @@ class Parquet(Log):
     suffixes = (".parquet", ".pq")
     magic = (b"PAR1",)
 
-    def __init__(self, path: Path, name: str, told: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, name: str, given: Mapping[str, Any]) -> None:
         self.notes = []
         self._name = name
         try:

@@ -13,7 +13,7 @@ from . import words
 from .meaning import Spellings
 from .tokens import joint_spellings, spelling
 
-_SHORTEST = 3  # letters in which an error can be told
+_SHORTEST = 3  # letters in which an error can be seen
 
 
 def check_names(table: Table, joints: Collection[str], ignore: Collection[str]) -> None:

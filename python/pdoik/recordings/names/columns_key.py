@@ -43,7 +43,7 @@ class ColumnsKey:
 
 
 def columns_key(content: Any, source: str) -> ColumnsKey:
-    """Of `{q: "actual_q_{index}", tau.elbow: "torque 2", time: stamp}` and the like.
+    """The key's sources, of `{q: "actual_q_{index}", tau.elbow: "torque 2", time: stamp}`.
 
     Under a channel there may also be the joints' names: `{q: {elbow: "enc2"}}`.
 

@@ -16,7 +16,7 @@ ALONG_THE_ARM = "the joints' order from the base"
 """How numbers are understood where nobody names their joints."""
 
 IN_THE_LOG = "their order in the log, which names no joints"
-"""Likewise, where not even a robot is known."""
+"""How numbers are understood where not even a robot is known."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,7 @@ class Settled:
     unit: str = ""  # of `units.KNOWN`, if its name says so
     factor: float = 1.0
     exact: bool = False  # it was called that already
-    by_order: str = ""  # by which order its number alone told whose it is, in words
+    by_order: str = ""  # the order by which its number alone says whose it is, in words
 
 
 def listed(names: Collection[str]) -> str:

@@ -19,7 +19,7 @@ from .tokens import joint_spellings, spelling
 def take_mapped(
     name: str, columns: Sequence[Column], known: Known, found: dict[str, Settled]
 ) -> None:
-    """Add them to those found, by target.
+    """Add the mapped columns to those found, by target.
 
     Raises:
         LoadError: `columns:` maps a name that is not there, or two to the same.
@@ -56,7 +56,7 @@ def _is_there(target: str, names: Collection[str]) -> bool:
 
 
 def _unit(column: Column, target: str) -> str:
-    """As the column's name says it, if it is one of the target's."""
+    """The unit that the column's name says, if it is one of the target's; else ""."""
     said = meaning_of(column, {})
     unit = said.unit if isinstance(said, Meaning) else ""
     return unit if unit in KNOWN.get(parent(target), {}) else ""

@@ -14,7 +14,7 @@ Spellings = Mapping[str, tuple[tuple[str, ...], ...]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Meaning:
-    """Of a column that is a channel of some joint, or the time."""
+    """The meaning of a column that is a channel of some joint, or the time."""
 
     column: Column
     channel: str  # a channel of recordings, "time", or a vector of MuJoCo's actuators
@@ -34,7 +34,7 @@ def meaning_of(column: Column, joints: Spellings, *, alone: bool = False) -> Mea
         alone: Whether a name without a joint or a number may be of the only joint there is.
 
     Returns:
-        Its meaning; or why it cannot be told, of a name that looks like a channel of a joint, in
+        Its meaning; or why it cannot be known, of a name that looks like a channel of a joint, in
         words; or None, of any other.
     """
     spelled = spelling(column.name if column.index is None else column.array)
@@ -95,7 +95,7 @@ class Quantity:
 
 
 def quantity_of(tokens: Sequence[Token], written: str, default: str = "") -> Quantity | None:
-    """Of a name's words; None where they say no quantity, or that it is something else.
+    """The quantity that a name's words say; None where they say none, or something else.
 
     Args:
         tokens: The words.
@@ -166,7 +166,7 @@ def _quantity(tokens: Sequence[Token]) -> tuple[str, int, frozenset[int]] | None
     """The quantity, the path's component it stands in, and its words' places.
 
     The last component that names one counts: `/position_controller/elbow/velocity` is a speed.
-    Where `current` stands beside another, it means now.
+    Where `current` stands next to another, it means now.
     """
     found: list[tuple[str, int, frozenset[int]]] = []
     k = 0

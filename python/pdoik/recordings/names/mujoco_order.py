@@ -35,7 +35,7 @@ class MujocoOrder:
 
 
 def mujoco_order(robot: RobotDescription | None) -> MujocoOrder:
-    """Of an MJCF; without entries for any other description, or none."""
+    """The order of an MJCF; without entries for any other description, or none."""
     if robot is None or robot.kind != "mjcf":
         return MujocoOrder()
     import mujoco

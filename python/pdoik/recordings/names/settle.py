@@ -21,7 +21,7 @@ from .mujoco_order import Entry
 from .tokens import joint_spellings, spelling
 
 BEYOND_SECONDS = "time.beyond"
-"""Target of the column of nanoseconds beside one of seconds."""
+"""Target of the column of nanoseconds that belongs to one of seconds."""
 
 _PATHS = re.compile(r"[/.]")
 _JOINT = re.compile(r"[./](pos|position|vel|velocity|effort|torque)$")
@@ -97,7 +97,7 @@ def _take_meant(
 
 
 def _clocks(times: Sequence[Settled]) -> dict[str, list[Settled]]:
-    """Of columns that are times, those nearest the root, plainly called so rather than ticks.
+    """Columns of time nearest the root, plainly called so rather than ticks.
 
     Seconds with a column of what is beyond them are one time.
     """
@@ -121,7 +121,7 @@ def _labelled(columns: Sequence[Column]) -> tuple[str, ...]:
 def _claims(
     each: Meaning, all_: Sequence[Meaning], known: Known, reasons: list[str]
 ) -> list[Settled]:
-    """What a column is, if its joint can be told; else why not is added to the reasons."""
+    """What a column is, if its joint can be known; else why not is added to the reasons."""
     column = each.column
     if each.channel == "time":
         return [Settled(column=column, target="time", unit=each.unit)]

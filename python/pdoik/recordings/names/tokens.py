@@ -59,8 +59,8 @@ def joint_spellings(joints: Sequence[str]) -> dict[str, tuple[tuple[str, ...], .
     """How each joint's name may be written, in words.
 
     Besides all its words: those that not all joints begin with (`joint1` of `panda_joint1`), and
-    those without the word joint (`shoulder_pan` of `shoulder_pan_joint`), where that still tells
-    the joints apart.
+    those without the word joint (`shoulder_pan` of `shoulder_pan_joint`), where that still
+    distinguishes the joints.
     """
     full = {joint: spelling(joint).texts for joint in joints}
     shared = 0

@@ -42,7 +42,7 @@ COMMANDED = _words(
     " setpoints sp set action actions computed"
 )
 TICKS = _words("tick ticks clock elapsed")
-"""Words for the time that stand beside better ones."""
+"""Words for the time that stand next to better ones."""
 
 CLOCKS = _words(
     "sim simulation elapsed unix epoch wall system host utc local recv received rx since start"
