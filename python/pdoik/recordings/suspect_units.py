@@ -72,7 +72,7 @@ def _positions(
 
 
 def _speeds(recording: Recording, dq: FloatArray, turning: np.ndarray, units: Units) -> None:
-    """The ratio of the recorded speed to the position's derivative tells their units apart."""
+    """The ratio of the recorded speed to the position's derivative distinguishes their units."""
     width = max(3, round(_SMOOTH / recording.period))
     use = moves(recording) & turning & np.isfinite(dq).all(axis=0)
     rate = uniform_filter1d(np.gradient(recording.q, recording.period, axis=0), width, axis=0)
@@ -120,19 +120,19 @@ def _against_gravity(
     recording: Recording, tau: FloatArray, gravity: FloatArray, joints: tuple[str, ...]
 ) -> None:
     """Compares the torque of the joint that bears most with what the model says it bears."""
-    borne = np.where(tau.any(axis=0), np.linalg.norm(gravity, axis=0), 0.0)
-    k = int(np.argmax(borne))
-    if borne[k] < 0.01 * np.sqrt(len(tau)):
+    loads = np.where(tau.any(axis=0), np.linalg.norm(gravity, axis=0), 0.0)
+    k = int(np.argmax(loads))
+    if loads[k] < 0.01 * np.sqrt(len(tau)):
         return
-    times = abs(float(tau[:, k] @ gravity[:, k])) / float(borne[k] ** 2)
-    alike = times * float(borne[k]) / float(np.linalg.norm(tau[:, k]))
+    times = abs(float(tau[:, k] @ gravity[:, k])) / float(loads[k] ** 2)
+    alike = times * float(loads[k]) / float(np.linalg.norm(tau[:, k]))
     if times > _TOO_MUCH and alike > 0.5:  # friction may be far above gravity, but is not like it
         why = f"tau.{joints[k]} is {times:.3g} times what gravity asks for in the model"
         _ask(recording, "tau", "mN.m" if times > 300 else "N.cm", "N.m", why)
 
 
 def _ratio(of: FloatArray, to: FloatArray) -> float | None:
-    """By what factor `to` follows the changes of `of`, the median joint; None if by none."""
+    """The factor by which `to` follows the changes of `of`, the median joint; None if none."""
     of, to = of - of.mean(axis=0), to - to.mean(axis=0)
     norms = np.sqrt(np.sum(of**2, axis=0)), np.sqrt(np.sum(to**2, axis=0))
     there = (norms[0] > 0) & (norms[1] > 0)

@@ -19,7 +19,7 @@ KINDS: dict[str, type[Log]] = {}
 """Kinds of logs by what messages call them."""
 
 _Kind = TypeVar("_Kind", bound=type[Log])
-_TEXT = "CSV"  # what a file is taken for that nothing else tells of
+_TEXT = "CSV"  # what a file is taken for that no other kind recognises
 
 
 def register(kind: _Kind) -> _Kind:

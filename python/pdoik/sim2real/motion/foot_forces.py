@@ -26,7 +26,7 @@ def with_ground(
     limits: FeetThresholds,
     found: FloatArray | None = None,
 ) -> Motion:
-    """The motion with all that its feet tell of the ground.
+    """The motion with all that its feet show of the ground.
 
     Args:
         motion: of a floating base.

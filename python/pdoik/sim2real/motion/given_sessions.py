@@ -1,4 +1,4 @@
-"""The sessions that a study tells of, such as days."""
+"""The sessions that a study gives, such as days."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ def imu_noise(motion: Motion) -> ImuNoise:
 def base_noise(motion: Motion) -> FloatArray:
     """Variance that noise of a base's IMU leaves in the torques after filtering, (rows,).
 
-    Of a base that its pose tells of, or that stands still, none is counted.
+    Of a base whose pose is measured, or that stands still, none is counted.
     """
     recording, body = motion.recording, motion.body
     base = motion.base

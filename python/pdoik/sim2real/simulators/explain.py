@@ -147,8 +147,8 @@ def explain(
     """Find what must be changed in a model so that it does what the recordings show.
 
     What every drive has is fitted together, from short runs in which nothing drifts far. About the
-    likeliest candidate, evidence says which properties differ from the user's at all, and what
-    anomalous ones there are besides; these are fitted again, and judged by held-out data.
+    likeliest candidate, evidence says which properties differ from the user's at all, and which
+    anomalous ones do in addition; these are fitted again, and judged by held-out data.
 
     Args:
         user: the model.

@@ -96,7 +96,7 @@ def at_times_of(pair: Pair) -> FloatArray:
 
 
 def drift_note(pair: Pair) -> str:
-    """That the clocks of a pair run apart a little, which was allowed for."""
+    """A note that the clocks of a pair run apart a little, which was allowed for."""
     return (
         f"{pair.machine.name} and {pair.simulation.name}: their clocks run apart by"
         f" {1e3 * pair.drift:.3g} ms in a second; that was allowed for."
@@ -104,7 +104,7 @@ def drift_note(pair: Pair) -> str:
 
 
 def _apart(machine: Recording, simulation: Recording, rate: float) -> str:
-    """That a second of the simulation is another one than the machine's, and what to do."""
+    """A note that a second of the simulation is not the machine's, and what to do."""
     return (
         f"{machine.name} and {simulation.name}: their clocks run apart: while the machine's shows a"
         f" second, the simulation's shows {rate:.5g} s ({1e3 * abs(rate - 1.0):.3g} ms in a second"

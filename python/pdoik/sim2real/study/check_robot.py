@@ -15,7 +15,7 @@ from pdoik.recordings import FloatArray
 def check_robot(
     facts: RobotFacts, joints: Collection[str], tip: str | None, *, floats: bool = False
 ) -> tuple[str, ...]:
-    """That the description has the joints and the tip, and mass behind every joint.
+    """Check that the description has the joints and the tip, and mass behind every joint.
 
     Args:
         facts: Of the description.

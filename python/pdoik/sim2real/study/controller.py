@@ -1,4 +1,4 @@
-"""Controllers of joints: laws that are known, and what a study tells of one that may not be."""
+"""Controllers of joints: laws that are known, and what a study says of one that may not be."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Controller:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GivenController:
-    """A controller as the study tells it. Arrays are (n,), NaN where nothing is known of a joint.
+    """A controller as the study gives it. Arrays are (n,), NaN where nothing is known of a joint.
 
     pd: effort = kp (q_des - q) + kd (dq_des - dq); pid: + ki times the error's integral; cascade: a
     position loop kp [1/s] that asks for a speed, held by kv and the integral gain ki; voltage: the
