@@ -29,14 +29,14 @@ _OF_FEET: tuple[Balance, ...] = ("foot", "tilt", "grip")
 
 
 class Cause(Protocol):
-    """What may add to balances: an effect."""
+    """A cause that may add to balances: an effect."""
 
     @property
     def id(self) -> str:
         """The effect's name."""
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """What it adds per unit of its coefficients, at the motion's rate."""
+        """What it adds per unit of its coefficients, at the motion's rate, (T, k) by key."""
 
 
 def _end(motion: Motion, cutoff: float) -> int:
@@ -209,7 +209,7 @@ class Balances:
         return float(np.sqrt(np.mean(picked**2))) if len(picked) else 0.0
 
     def _raw(self) -> dict[Key, list[FloatArray]]:
-        """What is measured less what the model says, at each motion's rate."""
+        """Measured less modelled values by key, (T,) of each motion at its rate."""
         raw: dict[Key, list[FloatArray]] = {}
         first = self.motions[0]
         for j in range(self.n):
@@ -373,7 +373,7 @@ def _of_foot(motions: Sequence[Motion], k: int) -> dict[Key, list[FloatArray]]:
 
 
 def _usual_load(motions: Sequence[Motion], key: Key) -> float:
-    """What presses a foot where it slips, [N]."""
+    """Root mean square of the force that presses a foot where it is judged [N]."""
     loads = [m.feet[key[1]].normal for m in motions]
     each = [load[m.judged(key)] for m, load in zip(motions, loads, strict=True) if load is not None]
     there = np.concatenate([np.zeros(0), *each])

@@ -32,7 +32,7 @@ _LEAST = 0.015  # of the level, that a ceiling is wide at least
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ceiling:
-    """What the torques of a joint do not exceed."""
+    """The level, falling with speed, that the torques of a joint do not exceed."""
 
     level: float  # at rest [N m]
     level_std: float

@@ -94,6 +94,6 @@ def _beyond(torques: Torques, level: float, noise: float) -> NDArray[np.bool_]:
 
 
 def occasions_of(at: NDArray[np.bool_], period: float, apart: float) -> int:
-    """How often, gaps shorter than `apart` [s] not counted."""
+    """Number of times that `at` (T,) is True, gaps shorter than `apart` [s] not counted."""
     index = np.flatnonzero(at)
     return int(np.sum(np.diff(index) * period > apart)) + 1 if len(index) else 0

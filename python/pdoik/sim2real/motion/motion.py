@@ -109,7 +109,7 @@ class Motion:
         return {self.row_key(i): wide[:, i] for i in range(wide.shape[1])}
 
     def soles_by_joint(self, j: int) -> Columns:
-        """What heights and tilts of soles seem to be per radian that joint j stands beyond q."""
+        """Apparent heights and tilts of soles per radian that joint j is beyond q, (T, 1)."""
         if self.base is None or self.base.rotation is None:
             return {}
         up = self.base.rotation[:, 2]

@@ -75,10 +75,10 @@ def control_law(controller: Controller, gravity: GravityModel | None) -> Control
             for p, d, x_des, v_des, x, v in zip(kp, kd, q_des, dq_des, q, dq, strict=True)
         ]
         if gravity is not None:
-            held = gravity(q)
+            weight = gravity(q)
             if factor is not None:
-                held = [f * g for f, g in zip(factor, held, strict=True)]
-            tau = [u + g for u, g in zip(tau, held, strict=True)]
+                weight = [f * g for f, g in zip(factor, weight, strict=True)]
+            tau = [u + g for u, g in zip(tau, weight, strict=True)]
         if limit is not None:
             tau = [-m if u < -m else m if u > m else u for u, m in zip(tau, limit, strict=True)]
         return [0.0 if u != u else u for u in tau]

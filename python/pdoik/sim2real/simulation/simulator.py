@@ -71,9 +71,9 @@ class Simulator:
         self.put_back: dict[str, int] = {}  # by joint, how often the last replay put it back
         self._control: Control | None = None
         if controller is not None:
-            held = controller.gravity_compensation
+            compensates = controller.gravity_compensation
             known = (believed or robot, self.joints, gravity, believed_parts)
-            self._control = control_law(controller, GravityModel(*known) if held else None)
+            self._control = control_law(controller, GravityModel(*known) if compensates else None)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -147,21 +147,21 @@ class Simulator:
         duration = float(commands.time[-1])
         ticks = self._commands(commands, drive, np.arange(0.0, duration + 2 * dt, dt * hold))
         ends = run_ends(duration, window, commands.period)
-        held = DriftReset(stepper, commands.time, q, dq) if drift_reset else None
+        reset = DriftReset(stepper, commands.time, q, dq) if drift_reset else None
         segments, first = [], 0
         for end in ends:
             last = max(first + 1, int(np.ceil(end / dt - 1e-6)))
             last += end == ends[-1]  # for the torque of the last sample
             while first < last:
                 with quiet_mujoco():
-                    segments.append(self._run(first, last, hold, ticks, drive, held))
+                    segments.append(self._run(first, last, hold, ticks, drive, reset))
                 first += len(segments[-1].command)
-                if held is not None and first < last:
-                    held.put_back(first * dt)
+                if reset is not None and first < last:
+                    reset.put_back(first * dt)
             if end < ends[-1]:
                 now = last * dt
                 stepper.place(row_at(now, commands.time, q), row_at(now, commands.time, dq))
-        strays = [] if held is None else zip(self.joints, held.count.tolist(), strict=True)
+        strays = [] if reset is None else zip(self.joints, reset.count.tolist(), strict=True)
         self.put_back = {joint: count for joint, count in strays if count}
         return self._recording(commands, segments, drive, window, tip)
 

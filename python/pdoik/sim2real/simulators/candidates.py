@@ -28,7 +28,7 @@ _ALONE = (
     "filter",
     "force_limit",
 )
-"""What each joint may have more or less of by itself."""
+"""Properties that each joint may have more or less of."""
 _CENTRE = ("com_x", "com_y", "com_z")
 
 
@@ -42,7 +42,7 @@ class ParameterId:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """What is taken up or left out as one: a property, or a link's mass with its centre."""
+    """Parameters taken up or left out as one: a property, or a link's mass with its centre."""
 
     name: str
     parameter_ids: tuple[ParameterId, ...]

@@ -291,7 +291,7 @@ class Experiment:
         dt: float,
         looked_at: bool,
     ) -> FloatArray:
-        """What one drive is given, late and smoothed by so much, (K,)."""
+        """One drive's command, delayed and smoothed by `drive` [s], (K,)."""
         late, slow = drive
         if slow <= 0.0:
             return self._command(recording, k, times - late, dt, looked_at)

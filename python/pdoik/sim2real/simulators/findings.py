@@ -64,7 +64,7 @@ def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step
 
 
 _GAINS = {"kp": ("kp",), "kv": ("kv",), "kp_factor": ("kp",), "gain_factor": ("kp", "kv")}
-"""What a file calls them, by property."""
+"""The gains of a file that each fitted property changes."""
 
 
 def _changed(explained: Explained) -> tuple[Changed, ...]:
@@ -96,7 +96,7 @@ def place_of(user: UserModel, parameter_id: ParameterId) -> str:
 
 
 def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> Finding:
-    user, held = explained.user, explained.held_out
+    user, held_out = explained.user, explained.held_out
     gains = explained.gains[term]
     gain = explained.share[term]
     error = float(np.std(gains, ddof=1)) * np.sqrt(len(gains)) if len(gains) > 1 else np.inf
@@ -125,7 +125,7 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
         effect=term.name,
         joints=() if linked else places,
         links=places if linked else (),
-        recordings=tuple(each.file or each.name for each in held.recordings),
+        recordings=tuple(each.file or each.name for each in held_out.recordings),
         statement=f"{name}: {said}",
         parameters=parameters,
         equivalents=tuple(
@@ -143,7 +143,7 @@ def _finding(explained: Explained, term: Term, limits: SimulatorThresholds) -> F
         evidence=Evidence(
             validation_gain=gain,
             interval95=(gain - 1.96 * share, gain + 1.96 * share),
-            channels=("q", "tau") if held.torque else ("q",),
+            channels=("q", "tau") if held_out.torque else ("q",),
         ),
         weight=gain,
         confidence=explained.confidence(term, limits),
@@ -169,16 +169,16 @@ def _decided_by(explained: Explained, term: Term) -> str:
 
 
 def _joints(explained: Explained) -> dict[str, JointFit]:
-    held = explained.held_out
+    held_out = explained.held_out
     found = {}
     for k, joint in enumerate(explained.user.joints):
-        measured = held.measured[:, k]
+        measured = held_out.measured[:, k]
         found[joint] = JointFit(
             before=_rms(measured - explained.before[:, k]),
             after=_rms(measured - explained.after[:, k]),
             noise_floor=float(np.hypot(explained.noise[k], explained.of_step[k])),
             unit="rad",
-            data=", ".join(dict.fromkeys(each.name for each in held.recordings)),
+            data=", ".join(dict.fromkeys(each.name for each in held_out.recordings)),
             excited=bool(np.ptp(measured) > 2e-3),
         )
     return found

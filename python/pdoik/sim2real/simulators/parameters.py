@@ -53,7 +53,7 @@ class Parameter:
         return float(self.scale * np.expm1(x)) if self.kind == "gap" else float(self.scale * x)
 
     def slope(self, x: float) -> float:
-        """How much the value changes with the coordinate."""
+        """Derivative of the value by the coordinate."""
         return float(self.scale if self.kind == "line" else self.scale * np.exp(x))
 
     def x_of(self, value: float) -> float:

@@ -43,8 +43,8 @@ def check_states(user: UserModel, states: FloatArray, recording: str, start: flo
 def advice(user: UserModel) -> str:
     """What may be changed of a simulator whose step is too long for it."""
     period = None if user.law is None else user.law.period
-    held = "" if period is None else f" and the controller's period {1e3 * period:g} ms"
+    ticks = "" if period is None else f" and the controller's period {1e3 * period:g} ms"
     return (
-        f"Its timestep is {1e3 * user.timestep:g} ms{held}: try a shorter one, the integrator"
+        f"Its timestep is {1e3 * user.timestep:g} ms{ticks}: try a shorter one, the integrator"
         " implicitfast, lower gains, or an armature"
     )
