@@ -1,6 +1,6 @@
 """Motions to choose from: sums of sines, strokes to and fro at many speeds, quick moves and stops.
 
-What tells effects apart differs: friction needs reversals, small and large, slow and fast; bodies
+What distinguishes effects differs: friction needs reversals, small and large, slow and fast; bodies
 need wide and quick motion of several joints; play and elasticity need quick stops. A recipe puts
 such parts one after the other around a pose; every part is drawn from a seed of its own, so that a
 better recipe is found by drawing one part anew.
@@ -66,7 +66,7 @@ class Frame:
 
 
 def first_recipes(rng: np.random.Generator) -> list[Recipe]:
-    """What is known to tell: strokes of one size after another, then of two kinds in turn."""
+    """Motions known to distinguish effects: strokes of one size after another, then of two kinds in turn."""
 
     def part(kind: Kind, reach: float, pace: float = 0.6) -> Part:
         return Part(kind=kind, seed=_seed(rng), share=1.0, pace=pace, reach=reach, alone=False)
@@ -148,7 +148,7 @@ def pose_of(recipe: Recipe, frame: Frame) -> FloatArray:
 
 
 def _there_and_back(pose: FloatArray, frame: Frame, count: int) -> tuple[FloatArray, int]:
-    """From the start to the pose, and back at the end; and how many rows either takes."""
+    """Path from the start to the pose, and back at the end; and how many rows either takes."""
     limits, way = frame.limits, np.abs(pose - frame.start)
     # The quintic's largest speed is 15/8 of its mean, its largest acceleration 5.78 of D / T^2.
     by_speed = float(np.max(15 / 8 * way / (_TO_POSE * limits.speed)))
@@ -233,7 +233,7 @@ def _strokes(
 ) -> FloatArray:
     """To and fro, every stroke with a speed of its own, up to six times slower than `speed`.
 
-    A part has strokes of one order of length, `reach`: what small ones tell, large ones drown. Each
+    A part has strokes of one order of length, `reach`: what small ones show, large ones drown. Each
     is longer by what friction takes of it, which is passed quickly.
     """
     path, n = np.zeros((rows, len(speed))), len(speed)
@@ -255,7 +255,7 @@ def _strokes(
 
 
 def _stroke(length: float, pace: float, rate: float) -> FloatArray:
-    """From 0 to a length with a trapezoid of speed, on the grid of a path."""
+    """Positions from 0 to a length with a trapezoid of speed, on the grid of a path."""
     pace = min(pace, float(np.sqrt(rate * max(length, 1e-6))))
     ramp = pace / rate
     whole = ramp + length / pace
@@ -269,7 +269,7 @@ def _stroke(length: float, pace: float, rate: float) -> FloatArray:
 def _moves(
     rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray, rate: FloatArray
 ) -> FloatArray:
-    """From pose to pose with a short rest at each, all joints together or half of them."""
+    """Path (rows, n) from pose to pose, resting shortly at each, of all joints or half of them."""
     n = len(speed)
     path, row, here = np.zeros((rows, n)), 0, np.zeros(n)
     while row < rows:

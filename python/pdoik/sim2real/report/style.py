@@ -137,5 +137,5 @@ def quiet_legend(axes: Axes, **options: Any) -> None:
 
 
 def short(text: str, length: int = 28) -> str:
-    """No longer than fits beside a figure."""
+    """Text no longer than fits next to a figure."""
     return text if len(text) <= length else f"{text[: length - 1]}…"

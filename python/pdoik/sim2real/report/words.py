@@ -119,7 +119,7 @@ def joint_state(fit: JointFit) -> str:
 
 
 def residue_words(fit: JointFit) -> str:
-    """By which variable the unexplained residual is seen most; "" where a joint is explained."""
+    """Variable that shows the unexplained residual most; "" where a joint is explained."""
     if fit.residue is None:
         return ""
     of = fit.residue
@@ -139,7 +139,7 @@ def suspected_words(diagnosis: Diagnosis) -> str:
 
 
 def changes(finding: Finding, thresholds: Mapping[str, float]) -> dict[str, str]:
-    """By how much figures change from session to session, where that is clear."""
+    """Changes of figures from session to session, in words, where that is clear."""
     said: dict[str, str] = {}
     known = CATALOGUE.get(finding.effect)
     if known is not None and known.sought == "last":

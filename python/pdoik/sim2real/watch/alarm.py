@@ -11,7 +11,7 @@ _SHOWN = 4  # figures of a cause on the terminal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
-    """By how much a parameter has changed."""
+    """Change of a parameter, with its standard deviation."""
 
     value: float
     std: float  # standard error

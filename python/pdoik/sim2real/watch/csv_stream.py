@@ -23,7 +23,7 @@ class CsvStream:
     """One log's columns for a model's joints."""
 
     def __init__(self, name: str, joints: Sequence[str], reading: Reading | None = None) -> None:
-        """Of a log of this name, which is read as a study says."""
+        """Stream of a log of this name, which is read as a study says."""
         self.name = name
         self._reading = reading or Reading()
         self.torn = 0  # lines that were left out
@@ -58,7 +58,7 @@ class CsvStream:
         if self._first:
             head, _, after = lines.partition(b"\n")
             second, newline, _ = after.partition(b"\n")
-            if not newline and not self._is_row(head):  # the next line tells the decimal point
+            if not newline and not self._is_row(head):  # the next line shows the decimal point
                 self._rest = self._rest + piece
                 return
             lines = self._begun(head, second, lines, after)

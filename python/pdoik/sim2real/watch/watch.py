@@ -83,7 +83,7 @@ class Watch:
 
     @property
     def threshold(self) -> float:
-        """Of every chart: a log likelihood ratio."""
+        """Threshold of every chart: a log likelihood ratio."""
         return self._charts.threshold
 
     @property

@@ -83,7 +83,7 @@ class Windows:
     """Cuts one stream after another into windows."""
 
     def __init__(self, n: int, cutoff: float) -> None:
-        """Of n joints, for filters of this cut-off [Hz]."""
+        """Cutter for n joints, for filters of this cut-off [Hz]."""
         self.cutoff = cutoff
         self._n = n
         self._rows = _none(n)

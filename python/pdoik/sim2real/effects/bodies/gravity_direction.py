@@ -106,7 +106,7 @@ class GravityDirection(Effect):
         return (GravityTilt(x=site.get("tilt_x"), y=site.get("tilt_y")),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         x, y = np.degrees(values["tilt_x"]), np.degrees(values["tilt_y"])
         return f"The base is tilted by {x:.2g} degrees about its x axis and {y:.2g} about y."
 

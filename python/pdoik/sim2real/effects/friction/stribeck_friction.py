@@ -68,7 +68,7 @@ class StribeckFriction(Effect):
         return site.each(lambda j: HardFriction(joint=j, level=level))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} has {values['extra']:.3g} N m more dry friction near rest than at speed; the"
             f" difference disappears above about {values['speed']:.2g} rad/s (Stribeck)."

@@ -63,7 +63,7 @@ class GearEfficiency(Effect):
         return site.each(lambda j: HardFriction(joint=j, level=level, needs_load=True))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"The gear of {where} loses {100 * values['driving_loss']:.2g} % of the load when it"
             f" drives it, and {100 * values['driven_loss']:.2g} % when the load drives the motor."
