@@ -85,7 +85,7 @@ class PathFollower:
 
     @property
     def duration(self) -> float:
-        """Of all of it, undisturbed [s]."""
+        """Duration of all of it, undisturbed [s]."""
         return float(self._time[-1])
 
     @property
@@ -121,7 +121,7 @@ class PathFollower:
         return step
 
     def _poses(self, q: FloatArray) -> dict[str, FloatArray]:
-        """Of the tool at each tip."""
+        """Pose of the tool at each tip, (4, 4) each [m]."""
         return {tip: self._robot.fk(q, tip) @ self._tool for tip in self._robot.tip_links}
 
     def _times(self, tool_speed: float) -> FloatArray:

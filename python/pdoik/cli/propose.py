@@ -43,7 +43,7 @@ _LIMITS = "Limits"  # panel
 
 def propose(
     report: Annotated[Path, typer.Argument(help="Folder of pdoik diagnose.")],
-    output: Annotated[Path, typer.Option("--out", help="CSV to write; JSON beside it.")] = Path(
+    output: Annotated[Path, typer.Option("--out", help="CSV to write; JSON next to it.")] = Path(
         "motion.csv"
     ),
     seconds: Annotated[float, typer.Option(help="Length of the motion.")] = 20.0,
@@ -183,7 +183,7 @@ def _check(report: Path, output: Path) -> None:
     if output.is_dir():
         fail(f"--out {output}: is a folder, expected a file")
     if output.suffix == ".json":
-        fail(f"--out {output}: expected a CSV; its JSON is written beside it")
+        fail(f"--out {output}: expected a CSV; its JSON is written next to it")
     if not output.parent.is_dir():
         fail(f"--out {output}: no such folder: {output.parent}")
 

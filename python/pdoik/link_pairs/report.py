@@ -56,7 +56,7 @@ class PairReport:
 
     @property
     def flagged_share(self) -> float:
-        """Of free configurations, those that the hulls refuse; of all without meshes."""
+        """Share of free configurations that the hulls refuse; of all without meshes."""
         counted = self.samples if self.free is None else self.free
         return self.flagged / counted if counted else 0.0
 

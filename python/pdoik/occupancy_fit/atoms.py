@@ -32,7 +32,7 @@ class Atoms:
 
     @classmethod
     def of(cls, body: FloatArray, slack: float) -> Atoms:
-        """Of a connected surface (T, 3, 3).
+        """Atoms of a connected surface (T, 3, 3).
 
         Two go together where neither stands over the other's plane by more than the slack, and the
         way between them is inside, as far as voxels tell.
@@ -120,7 +120,7 @@ def _normals(faces: FloatArray) -> FloatArray:
 
 
 def _groups(faces: FloatArray, normals: FloatArray, size: float, slack: float) -> NDArray[np.int_]:
-    """Of connected faces in one cell of a grid whose normals are nearly alike, (F,).
+    """Groups of connected faces in one cell of a grid whose normals are nearly alike, (F,).
 
     Where a part of a group stands over the plane of another, each face is one by itself.
     """

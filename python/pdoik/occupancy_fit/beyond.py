@@ -26,7 +26,7 @@ class Beyond:
         self._surface = _Surface(triangles)
 
     def __call__(self, places: FloatArray, more_than: float = 0.0) -> FloatArray:
-        """Of places (N, 3), 0 inside and where it is not more than asked for, (N,) [m]."""
+        """Distances of places (N, 3), 0 inside and where not more than asked for, (N,) [m]."""
         found = self._unless_deep(places)
         far = np.flatnonzero(found > more_than)
         inside = self._inside(places[far])
@@ -72,7 +72,7 @@ class _Surface:
         self._tree.init(self.corners, self.faces)
 
     def distance(self, places: FloatArray) -> FloatArray:
-        """Of places (N, 3), (N,) [m]."""
+        """Distances of places (N, 3), (N,) [m]."""
         if not len(places):
             return np.zeros(0)
         return np.asarray(np.sqrt(self._tree.squared_distance(self.corners, self.faces, places)[0]))

@@ -110,7 +110,7 @@ def _to_shape(
 
 
 def _own_name(contents: Contents, found: Binding) -> str:
-    """Of the robot's part that a constraint is about."""
+    """Name of the robot's part that a constraint is about."""
     return found.held[0] if found.held else hull_names(contents.robot)[found.hulls[0]]
 
 

@@ -36,7 +36,7 @@ class Body:
     normals: FloatArray | None = None
 
     def farthest(self, direction: FloatArray) -> FloatArray:
-        """Of its points without the radius, the one that lies farthest in a direction, (3,)."""
+        """Point, without the radius, that lies farthest in a direction, (3,) [m]."""
         found = self.corners[int((self.corners @ direction).argmax())]
         if self.axis is None:
             return np.asarray(found)

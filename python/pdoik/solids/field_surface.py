@@ -14,7 +14,7 @@ FloatArray = npt.NDArray[np.float64]
 
 _STEPS, _ON_SURFACE, _LEVEL = 30, 1e-6, 1e-6  # of a search down a slope; [m]; slope squared
 _SLIDES = 30  # along the surface
-_INSIDE = 1e-6  # cells from the border of where values are: beside that border slopes are others
+_INSIDE = 1e-6  # cells from the border of where values are: next to that border slopes are others
 _SHORTEST = 1e-3  # slide that is worth another one, in cells
 
 

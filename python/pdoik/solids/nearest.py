@@ -75,7 +75,7 @@ def nearest_obstacle(
 def _line_of(
     found: pdoik.ObstacleClearance, part: Part, robot: pdoik.Robot, q: FloatArray, obstacle: Part
 ) -> FloatArray:
-    """From the hull, or from the piece of its link that the distance is of."""
+    """Line from the hull, or from the piece of its link that the distance is of."""
     lines = [nearest_points(part, obstacle)]
     if isinstance(part, PlacedCapsule) and _misfit(lines[0], found) > _SAME_LENGTH:
         pieces = link_pieces(robot, q, part.name)
@@ -111,7 +111,7 @@ def point_part(point: FloatArray) -> PlacedSpheroid:
 
 
 def nearest_points(a: Part, b: Part) -> FloatArray:
-    """From a's surface to b's, (2, 3) [m]; of parts that overlap, how deep one is in the other.
+    """Line from a's surface to b's, (2, 3) [m]; where parts overlap, the depth of one in the other.
 
     Of two shapes of which neither is a ball or a capsule it is found by projections in turn, which
     end at the nearest points of convex ones. Of a spheroid that overlaps something it is through
@@ -147,7 +147,7 @@ def _segment(part: Part) -> tuple[FloatArray, FloatArray, float] | None:
 
 
 def _from_segment(a: FloatArray, b: FloatArray, radius: float, other: Part) -> FloatArray:
-    """By golden section where looks along the segment have found the least.
+    """Line found by golden section where looks along the segment have found the least.
 
     Between them the signed distance is convex, of a convex solid all along.
     """
@@ -185,7 +185,7 @@ def _from_segment(a: FloatArray, b: FloatArray, radius: float, other: Part) -> F
 
 
 def _from_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
-    """By projections in turn, which end at the nearest points of convex solids that are apart."""
+    """Line found by projections in turn, which end at the nearest points of convex solids."""
     surface = part_surface(other)
     point = (hull.focus_a + hull.focus_b) / 2
     for _ in range(_PROJECTIONS):
@@ -199,7 +199,7 @@ def _from_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
 
 
 def _out_of_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
-    """From where a spheroid that overlaps something ends in it, to that thing's surface."""
+    """Line from where a spheroid that overlaps something ends in it, to that thing's surface."""
     center, place = _from_segment(hull.focus_a, hull.focus_b, 0.0, other)
     inward = center - place if part_distance(other)(center) < 0 else place - center
     length = float(np.linalg.norm(inward))

@@ -15,7 +15,7 @@ from .field_surface import field_distance, field_surface
 
 FloatArray = npt.NDArray[np.float64]
 Surface = Callable[[FloatArray], tuple[float, FloatArray]]
-"""Of a point (3,): its distance, negative inside [m], and the nearest place (3,)."""
+"""Function of a point (3,): its distance, negative inside [m], and the nearest place (3,)."""
 
 
 def ball_surface(center: FloatArray, radius: float) -> Surface:
@@ -67,7 +67,7 @@ def shape_surface(shape: pdoik.Shape) -> Surface:
         case "distance_field":
             local = field_surface(shape)
         case "mesh":
-            local = _sheet(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
+            local = _thin(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
         case _:
             local = _mesh(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
 
@@ -149,7 +149,7 @@ def _half_space(point: FloatArray) -> tuple[float, FloatArray]:
 
 
 def _boxes(corners: FloatArray) -> Surface:
-    """Of several, by the lowest and the highest corner of each, (2 N, 3)."""
+    """Surface of several boxes, by the lowest and the highest corner of each, (2 N, 3)."""
     middles, halves = (corners[1::2] + corners[0::2]) / 2, (corners[1::2] - corners[0::2]) / 2
 
     def to_boxes(point: FloatArray) -> tuple[float, FloatArray]:
@@ -161,12 +161,12 @@ def _boxes(corners: FloatArray) -> Surface:
     return to_boxes
 
 
-def _sheet(triangles: FloatArray) -> Surface:
-    """Of a surface of no thickness, (T, 3, 3)."""
+def _thin(triangles: FloatArray) -> Surface:
+    """Surface of triangles without thickness, (T, 3, 3)."""
     middles = triangles.mean(axis=1)
     reaches = np.linalg.norm(triangles - middles[:, None], axis=2).max(axis=1)
 
-    def to_sheet(point: FloatArray) -> tuple[float, FloatArray]:
+    def to_thin(point: FloatArray) -> tuple[float, FloatArray]:
         apart = np.linalg.norm(middles - point, axis=1)
         near = triangles[apart - reaches <= (apart + reaches).min()]  # one of these is nearest
         points = np.tile(point, (len(near), 1))
@@ -177,11 +177,11 @@ def _sheet(triangles: FloatArray) -> Surface:
         nearest = int(distances.argmin())
         return float(distances[nearest]), places[nearest]
 
-    return to_sheet
+    return to_thin
 
 
 def _mesh(triangles: FloatArray) -> Surface:
-    """Of a closed convex one, (T, 3, 3)."""
+    """Surface of a closed convex mesh, (T, 3, 3)."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
 
@@ -190,6 +190,6 @@ def _mesh(triangles: FloatArray) -> Surface:
         highest = int(heights.argmax())
         if heights[highest] <= 0:
             return float(heights[highest]), point - heights[highest] * normals[highest]
-        return _sheet(triangles)(point)
+        return _thin(triangles)(point)
 
     return to_mesh

@@ -16,7 +16,7 @@ class ReachRun:
 
     Args:
         request: What is computed.
-        on_progress: Told how many poses are done, of how many, and in how many seconds.
+        on_progress: Called with how many poses are done, of how many, and in how many seconds.
         on_end: Gets the map, or what was raised instead. Both are called by the run's thread, and
             not once it is cancelled.
     """

@@ -1,4 +1,4 @@
-"""The page's server: on loopback unless told otherwise, and nothing leaves the machine."""
+"""The page's server: on loopback unless set otherwise, and nothing leaves the machine."""
 
 from __future__ import annotations
 

@@ -106,9 +106,7 @@ class Effect(ABC):
     shared: ClassVar[bool] = False  # one cause where several joints' figures agree
 
     # How it is simulated and predicted.
-    simulated_rivals: ClassVar[
-        tuple[str, ...]
-    ] = ()  # names that a simulation rules out
+    simulated_rivals: ClassVar[tuple[str, ...]] = ()  # names that a simulation rules out
     shown_poorly: ClassVar[bool] = False  # by its columns: simulate before it is believed
     makes_up_for_misfit: ClassVar[bool] = False  # of what is shown poorly, in a regression
     refined: ClassVar[bool] = True  # its figures by simulations

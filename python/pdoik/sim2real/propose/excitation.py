@@ -66,7 +66,7 @@ class Frame:
 
 
 def first_recipes(rng: np.random.Generator) -> list[Recipe]:
-    """Motions known to distinguish effects: strokes of one size after another, then of two kinds in turn."""
+    """Motions known to serve: strokes of one size after another, then of two kinds in turn."""
 
     def part(kind: Kind, reach: float, pace: float = 0.6) -> Part:
         return Part(kind=kind, seed=_seed(rng), share=1.0, pace=pace, reach=reach, alone=False)

@@ -18,7 +18,7 @@ class Gizmo:
     """Three arrows along a frame's axes (`scale` long), squares between them, and arcs.
 
     Args:
-        on_drag: Told each pose that the mouse gives it, in order; must return at once.
+        on_drag: Called with each pose that the mouse gives it, in order; must return at once.
     """
 
     def __init__(

@@ -125,7 +125,7 @@ def robot_size(model: Model) -> float:
 
 
 def camera_of(model: Model, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Where a camera that sees the robot beside the panel looks and stands, (3,) each [m]."""
+    """Where a camera that sees the robot next to the panel looks and stands, (3,) each [m]."""
     size = robot_size(model)
     if len(model.robot.tip_links) == 1:
         return np.array([0.31, 0.09, 0.3]) * size, np.array([1.05, -1.15, 0.78]) * size

@@ -25,7 +25,7 @@ class TargetGizmos:
         server: Where to draw.
         goals: Of each tip.
         scale: Of the arrows [m].
-        on_drag: Told the tip, the pose, and which of the tip's targets it is.
+        on_drag: Called with the tip, the pose, and which of the tip's targets it is.
 
     Attributes:
         by_tip: Of each tip's first target.

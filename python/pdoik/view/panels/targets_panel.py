@@ -24,7 +24,7 @@ class TargetsPanel:
     Args:
         gui: Where; call it inside the container.
         session: Whose tips.
-        on_type: Told the tip, the pose that was typed, T_base_tip (4, 4), and which of the tip's
+        on_type: Called with the tip, the pose that was typed, T_base_tip (4, 4), and which of its
             targets it is.
     """
 

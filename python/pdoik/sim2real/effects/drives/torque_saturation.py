@@ -29,7 +29,7 @@ class TorqueSaturation(Effect):
     equation = "tau = clip(tau_cmd, -L, L)"
     parameters = (Parameter("level", "N m", lower=0.0),)
     confused_with = ("torque_gain", "actuator_lag", "torque_speed_limit")
-    decided_by = "one motion that asks for more torque than this, recorded beside its command"
+    decided_by = "one motion that asks for more torque than this, recorded with its command"
     source = "drive data sheet"
     example = Example(values={"level": 9.0}, place=Place(joints=(0,)), nothing={"level": 1e9})
     fixed = True

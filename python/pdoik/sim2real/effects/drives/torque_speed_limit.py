@@ -34,7 +34,7 @@ class TorqueSpeedLimit(Effect):
         Parameter("no_load_speed", "rad/s", lower=0.0),
     )
     confused_with = ("torque_saturation", "torque_gain", "actuator_lag")
-    decided_by = "full torque asked for at two speeds, one twice the other, beside its command"
+    decided_by = "full torque asked for at two speeds, one twice the other, with its command"
     source = "Hughes and Drury, Electric Motors and Drives, 2013, Sec. 3.4 (torque-speed curves)"
     example = Example(
         values={"stall_torque": 16.0, "no_load_speed": 4.0},

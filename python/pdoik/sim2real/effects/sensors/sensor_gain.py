@@ -33,7 +33,7 @@ class SensorGain(Effect):
     equation = "logged = k true"
     parameters = (Parameter("gain", "-"),)
     confused_with = ("torque_gain", "kinematic_error", "joint_offset")
-    decided_by = "the channel beside a second instrument"
+    decided_by = "the channel compared with a second instrument"
     source = "sensor calibration"
     example = Example(values={"gain": 1.03}, shape=(OF_LOGGED_SPEED,), nothing={"gain": 1.0})
     complexity = 2
