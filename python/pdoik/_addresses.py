@@ -158,7 +158,7 @@ class Places:
         where = [*map(str, self.holding), *(v for v in _VARIABLES if os.environ.get(v))]
         where += [] if self.file is None else [f"the folders above {self.file}"]
         return (
-            f"package {name!r} is nowhere{' in ' if where else ''}{', '.join(where)}: tell its"
+            f"package {name!r} is nowhere{' in ' if where else ''}{', '.join(where)}: give its"
             f" folder, packages={{{name!r}: FOLDER}} or --package-dir {name}=FOLDER, or put the"
             f" folder above it into {_VARIABLES[0]}"
         )

@@ -44,7 +44,7 @@ class Octree:
 
 
 def read_octree(content: bytes) -> Octree:
-    """The tree of a .bt or .ot file, which its first line tells apart.
+    """The tree of a .bt or .ot file, distinguished by its first line.
 
     Raises:
         OctreeError: It is none, cut short, or of a class with other nodes.

@@ -75,7 +75,7 @@ def solve_path(
     """Follow a whole path as one question: a seam, a spray path, a scan.
 
     Args:
-        robot: Who follows it; or a solver, with what it carries.
+        robot: Who follows it; or a solver, with what is attached to it.
         path: Poses of the tool, shape (N, 4, 4) [m], or a list of goals as `Solver.solve_path`
             takes them.
         obstacles: As in `Solver.solve`.

@@ -64,7 +64,7 @@ class Obstacles:
 def solver_of(
     robot: pdoik.Robot, options: pdoik.Options, obstacles: Obstacles | None
 ) -> pdoik.Solver:
-    """One that carries what links carry in the scene.
+    """A solver with what is attached to links in the scene.
 
     Raises:
         ValueError: It cannot be made, or they cannot carry that.

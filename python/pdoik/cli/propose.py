@@ -114,7 +114,7 @@ def propose(
         ),
     ] = 0.0,
 ) -> None:
-    """Propose the motion that separates best what a diagnosis could not tell apart.
+    """Propose the motion that separates best what a diagnosis could not distinguish.
 
     Where a finding lists equivalents, or is less sure than 0.9, the motion along which these
     predict torques as different as can be, from rest to rest, within limits of position, speed,

@@ -63,7 +63,7 @@ def load_robot(
                 name, base_link, tip_link or None, arguments=values, packages=places
             )
     for each in said:
-        if str(each.message) not in robot.warnings:  # those are for pdoik info to tell
+        if str(each.message) not in robot.warnings:  # those are for pdoik info to report
             warn(str(each.message))
     if occupancy is not None:
         with misuse_fails(f"--occupancy {occupancy}"):

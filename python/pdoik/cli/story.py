@@ -1,4 +1,4 @@
-"""What long commands tell of their work while it goes on."""
+"""What long commands report of their work while it goes on."""
 
 from __future__ import annotations
 

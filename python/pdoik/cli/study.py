@@ -1,4 +1,4 @@
-"""pdoik study: a first study.yaml, and what a study can tell before anything is looked for."""
+"""pdoik study: a first study.yaml, and what a study can show before anything is looked for."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ app = typer.Typer(name="study", no_args_is_help=True, rich_markup_mode="rich")
 
 @app.callback()
 def study() -> None:
-    """A first study.yaml from a robot and logs, and what a study can tell."""
+    """A first study.yaml from a robot and logs, and what a study can show."""
 
 
 @app.command("new")
@@ -43,7 +43,7 @@ def new(
         Path | None,
         typer.Option(
             help="A YAML file whose 'joints:', 'columns:', 'units:' and 'ignore:', as in a study,"
-            " tell how the logs are read, where their names do not."
+            " say how the logs are read, where their names do not."
         ),
     ] = None,
     entry: Annotated[

@@ -108,7 +108,7 @@ class RobotDescription:
     Attributes:
         path: Its file; None for text.
         text: What is in it.
-        kind: As far as one look tells.
+        kind: As far as one look shows.
         arguments: Of a xacro file.
         packages: Where packages are, the folders around the file among them.
     """

@@ -35,7 +35,7 @@ class Atoms:
         """Atoms of a connected surface (T, 3, 3).
 
         Two go together where neither stands over the other's plane by more than the slack, and the
-        way between them is inside, as far as voxels tell.
+        way between them is inside, as far as voxels show.
         """
         solid = Solid.of(body)
         longest = max(_LONGEST, float(np.sqrt(4 * areas(body).sum() / _FACES)))

@@ -34,7 +34,7 @@ def convex_cover(
 
     Args:
         body: A connected surface, (T, 3, 3) [m].
-        beyond: Tells how far places are outside the whole link.
+        beyond: Gives how far places are outside the whole link.
         tolerance: How far a piece may stand beyond it [m].
         most: None if it takes more pieces than this.
     """

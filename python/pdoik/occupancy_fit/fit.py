@@ -87,7 +87,7 @@ def fit_occupancy(
         progress: Called when a link is begun and when it is done.
 
     Warns:
-        OverhangWarning: A link's capsules stick out farther than they should; `report` tells too.
+        OverhangWarning: A link's capsules stick out farther than they should; `report` says so too.
 
     Raises:
         LoadError: The description or a mesh cannot be read, or it has no collision geometry.

@@ -32,7 +32,7 @@ class Contents:
         T_base_tool: Of what is to meet a target, (4, 4).
         bones: The way to the tip, (B, 3) [m].
         hulls: Of the robot, where they are.
-        held: What links carry, where it is.
+        held: What is attached to links, where it is.
         points: Of obstacles and their radii, (K, 4) [m].
         surface: What the points stand for, (N, 3) [m].
         scene: The shapes, the points and what may touch, for a solver.

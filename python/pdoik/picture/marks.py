@@ -34,7 +34,7 @@ class Mark:
         text: What they are, and how far apart.
         fails: Whether they are too near.
         hulls: Those of the robot that are meant, in the order of `placed_hulls`.
-        names: The shapes, held or not, that are meant.
+        names: The shapes, attached or not, that are meant.
     """
 
     line: FloatArray | None

@@ -58,7 +58,7 @@ class Judge:
     Args:
         robot: Its description and hulls are taken.
         options: What was asked for.
-        carries: Whether links carry something.
+        carries: Whether something is attached to links.
         contacts: Rules of contact, in the order in which they count.
     """
 

@@ -130,7 +130,7 @@ def replay_report(path: str | os.PathLike[str]) -> Replay:
     if found is not None and found_again is not None and not clocked:
         differences += of_found(found, found_again)
     deadline = math.inf if kind == "steps" else options.max_time
-    for k, (was, now) in enumerate(zip(answers, again, strict=False)):  # `found` tells how many
+    for k, (was, now) in enumerate(zip(answers, again, strict=False)):  # `found` says how many
         off = of_answers(was, now, counts=kind != "batch")
         if off and k not in clocked and was["time"] - was["intake"] >= 0.5 * deadline:
             clocked.append(k)  # it may strike from there on, and cut what follows a solution, too

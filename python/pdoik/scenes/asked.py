@@ -44,7 +44,7 @@ class World:
     Attributes:
         things: Its objects, in the base frame.
         contacts: Rules of contact.
-        attached: What links carry.
+        attached: What is attached to links.
         left_out: What the file has besides them, in words: the robot, and what cannot be touched.
         surface: The points of its cloud as their file has them, (N, 3) [m]; no rows without one.
         leaf: Edge of the cells the cloud is to be thinned to [m]; 0 keeps every point.

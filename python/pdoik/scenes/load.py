@@ -1,4 +1,4 @@
-"""A scene's file, whatever its format, as shapes, points, rules of contact, and what is carried."""
+"""A scene's file, whatever its format, as shapes, points, rules of contact, what is attached."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class SceneFile:
         leaf: Edge of the cells the cloud is to be thinned to [m]; 0 keeps every point.
         radii: Whether points that are kept cover those that are not.
         contacts: Rules of contact.
-        attached: What links carry, for `Solver.attach_all`.
+        attached: What is attached to links, for `Solver.attach_all`.
         left_out: What the file has besides them, in words.
     """
 
@@ -133,7 +133,7 @@ def read_scene_file(
     without: Sequence[str] = (),
     keyframe: str | int | None = None,
 ) -> SceneFile:
-    """As `load_scene`, with the cloud's points before thinning, what was left out or is carried.
+    """As `load_scene`, with the cloud's points before thinning, what was left out or is attached.
 
     Raises:
         LoadError: As `load_scene`, but for what links carry.
@@ -158,7 +158,7 @@ def read_scene_file(
 
 
 def _read_xml(file: Path, asked: Asked) -> World:
-    """A world of MuJoCo's or of Gazebo's, which its root tells apart."""
+    """A world of MuJoCo's or of Gazebo's, distinguished by its root."""
     match root_of(file).tag:
         case "mujoco" | "mujocoinclude":
             return read_mjcf(file, asked)

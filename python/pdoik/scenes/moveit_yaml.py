@@ -80,7 +80,7 @@ def _pieces(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AttachedThing:
-    """An object that a link carries, its pieces in the link's frame."""
+    """An object attached to a link, its pieces in the link's frame."""
 
     link: str
     thing: Thing

@@ -17,7 +17,7 @@ from .surfaces import onto_spheroid, part_distance, part_surface, segment_surfac
 
 FloatArray = npt.NDArray[np.float64]
 Part = PlacedHull | pdoik.Shape
-"""A solid in the base frame: a hull, an obstacle, or what a link carries."""
+"""A solid in the base frame: a hull, an obstacle, or what is attached to a link."""
 
 _GOLDEN = (np.sqrt(5) - 1) / 2
 _LOOKS = 9  # along a hull's segment
@@ -32,7 +32,7 @@ class NearestObstacle:
     """The least of `pdoik.Solver.clearances`, and between which two points it is."""
 
     obstacle: str  # the shape's name, 'the ball' or 'points'
-    part: str  # of the robot: a hull, or what it carries
+    part: str  # of the robot: a hull, or what is attached to it
     distance: float  # negative inside [m]
     line: FloatArray | None  # from the part's surface to the obstacle's, (2, 3) [m]
 
@@ -55,7 +55,7 @@ def nearest_obstacle(
         points: Those that the solver had, (K, 4) [m].
         shapes: Those that it had.
         ball: Which of the points is the page's ball.
-        carried: What links carry.
+        carried: What is attached to links.
     """
     least = min(found, key=lambda each: each.distance, default=None)
     if least is None or not np.isfinite(least.distance):
@@ -90,7 +90,7 @@ def _misfit(line: FloatArray, found: pdoik.ObstacleClearance) -> float:
 def named_part(
     name: str, robot: pdoik.Robot, q: FloatArray, carried: Sequence[pdoik.Attachment] = ()
 ) -> Part | None:
-    """The part of a robot that results call so: what a link carries, or a hull."""
+    """The part of a robot that results call so: what is attached to a link, or a hull."""
     for each in carried:
         for shape in each.shapes:
             if shape.name == name:

@@ -145,7 +145,7 @@ def time_motion(
         max_speed: As there.
         max_jerk: As there.
         deviation: As there, but larger: corners are cut by this much, so what the move is clear of
-            by less may be touched. `Trajectory.recheck` tells.
+            by less may be touched. `Trajectory.recheck` shows it.
         rate: As there.
 
     Raises:

@@ -153,7 +153,7 @@ class Trajectory:
         )
 
     def _dense(self, max_step: float) -> FloatArray:
-        """Times between which no joint goes farther than this, by as much as samples tell."""
+        """Times between which no joint goes farther than this, as far as samples show."""
         gone = np.append(0.0, np.cumsum(np.abs(np.diff(self.q, axis=0)).max(axis=1)))
         count = int(np.ceil(gone[-1] / max_step)) + 1
         return np.interp(np.linspace(0.0, gone[-1], max(count, 2)), gone, self.time)

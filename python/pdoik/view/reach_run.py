@@ -42,7 +42,7 @@ class ReachRun:
         return self._over
 
     def cancel(self) -> bool:
-        """Tell nothing any more, and end after the slice it is in; does not wait for that.
+        """Report nothing any more, and end after the slice it is in; does not wait for that.
 
         Returns:
             Whether it was not over yet.

@@ -124,7 +124,7 @@ class _Reader:
             robot = some(self._bodies[b] for b in sorted(own))
             raise EntryError(
                 self._file,
-                f"has the robot ({robot}), but no body {name!r}, its base link: tell which body's"
+                f"has the robot ({robot}), but no body {name!r}, its base link: say which body's"
                 " or site's frame that is, frame=NAME",
             )
         return np.eye(4)

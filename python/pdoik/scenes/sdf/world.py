@@ -180,7 +180,7 @@ def _base(scope: Scope, own: list[_Model], asked: Asked, file: Path) -> FloatArr
         raise EntryError(
             file,
             f"the robot, model {model.scope.name}, has no link or frame {base_link!r}, its base"
-            f" link: tell what that is, frame='{model.scope.name}::LINK'",
+            f" link: say what that is, frame='{model.scope.name}::LINK'",
         )
     return model.T_world_model @ model.scope.pose_of(base_link)
 
