@@ -213,7 +213,7 @@ class _Found:
         self._kept_at, self._is_kept = now, True
 
     def result(self) -> BasePlaces:
-        """As it is now."""
+        """Table of places as it is now."""
         return BasePlaces(
             places=self.places,
             statuses=self.statuses,

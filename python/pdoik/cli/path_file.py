@@ -51,7 +51,7 @@ class PathFile:
     goals: list[list[pdoik.Goal]] | None = None
 
     def stations(self, axis: str | None, spacing: float | None) -> Any:
-        """As `Solver.solve_path` takes them: poses (N, 4, 4), or a list of goals.
+        """Stations as `Solver.solve_path` takes them: poses (N, 4, 4), or a list of goals.
 
         Args:
             axis: Of the tool, that it may turn about.

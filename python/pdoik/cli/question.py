@@ -114,7 +114,7 @@ def robot_for(
     file: Path | None,
     tip_link: str | None,
 ) -> pdoik.Robot:
-    """With the tips that goals of a file are of; `read` takes their names, None for what it has."""
+    """Robot with the tips of a file's goals; `read` takes their names, None for what it has."""
     loaded = read(None if tip_link is None else [tip_link])
     if goals is not None and (named := tips_of(goals, loaded, file, tip_link)):
         loaded = read(named)
@@ -122,7 +122,7 @@ def robot_for(
 
 
 def tool_of(tool: str | None, robot: pdoik.Robot, of_several: str) -> FloatArray:
-    """On the tip, (4, 4); leaves with status 2 where there are several, and says what says it."""
+    """Tool on the tip, (4, 4); leaves with status 2 where there are several tips."""
     if tool is None:
         return np.eye(4)
     if len(robot.tip_links) > 1:

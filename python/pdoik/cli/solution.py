@@ -27,7 +27,7 @@ class Solution:
 
     @property
     def answer(self) -> pdoik.Result:
-        """As the solver gave it."""
+        """Result as the solver gave it."""
         return self.result
 
     @property
@@ -51,7 +51,7 @@ class AllSolutions:
 
     @property
     def nearest(self) -> pdoik.Result | None:
-        """To the start, or to the middle of the ranges where there was none."""
+        """Result nearest to the start, or to the middle of the ranges where there was none."""
         return self.answer[0] if len(self.answer) else None
 
     @property

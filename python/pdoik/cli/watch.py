@@ -117,7 +117,7 @@ def _follow(
     once: bool,
     file: TextIO | None,
 ) -> None:
-    """Until there is no more, or Ctrl-C."""
+    """Watch until there is no more, or Ctrl-C."""
     with interrupts.noted() as stop:
         pieces = _pieces(logs, joints, reading, once, lambda: not stop.empty())
         for name, columns in pieces:

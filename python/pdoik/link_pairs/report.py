@@ -51,7 +51,7 @@ class PairReport:
 
     @property
     def ignored(self) -> list[Pair]:
-        """For Robot.ignored_pairs, sorted."""
+        """Pairs for Robot.ignored_pairs, sorted."""
         return sorted(pair.links for pair in self.pairs if pair.verdict != "Kept")
 
     @property

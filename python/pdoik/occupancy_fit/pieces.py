@@ -140,7 +140,7 @@ def _hull(points: FloatArray) -> Any:
 
 
 def _needed(pieces: list[Piece]) -> list[Piece]:
-    """Without those that lie in another one, as hidden parts do."""
+    """Pieces without those that lie in another one, as hidden parts do."""
     kept: list[Piece] = []
     planes: list[FloatArray] = []
     for piece in sorted(pieces, key=lambda one: -ConvexHull(one.vertices).volume):

@@ -29,7 +29,7 @@ class Asker:
 
     @classmethod
     def of(cls, solver: Solver | Tracker, kind: str) -> Asker:
-        """With a tracker's solver and settings."""
+        """Asker with a tracker's solver and settings."""
         if isinstance(solver, Solver):
             return cls(solver, kind)
         asker = cls(solver.solver, kind, solver.settings)

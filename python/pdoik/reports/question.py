@@ -93,7 +93,7 @@ def carried_entry(carried: Sequence[Attachment]) -> list[dict[str, Any]]:
 
 
 def read_carried(entry: Entry) -> list[Attachment]:
-    """For `attach_all`."""
+    """Attachments for `attach_all`."""
     return [_read_attachment(each) for each in entry.items()]
 
 

@@ -50,7 +50,7 @@ class Requirement:
     position_first: bool
 
     def errors(self, poses: Mapping[str, FloatArray]) -> tuple[float, float]:
-        """Beyond slack, position [m] and rotation [rad].
+        """Errors beyond slack, position [m] and rotation [rad].
 
         Args:
             poses: T_base_link of every link, (4, 4) [m].

@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """As `load_scene` has them.
+    """What `load_scene` was asked for.
 
     Attributes:
         packages: Where files are that the scene's names.

@@ -136,7 +136,7 @@ def read_scene_file(
     """As `load_scene`, with the cloud's points before thinning, what was left out or is attached.
 
     Raises:
-        LoadError: As `load_scene`, but for what links carry.
+        LoadError: As `load_scene`, but for what is attached to links.
 
     Warns:
         ObstacleWarning: As `load_scene`.

@@ -28,7 +28,7 @@ def ball_surface(center: FloatArray, radius: float) -> Surface:
 
 
 def part_surface(part: PlacedHull | pdoik.Shape) -> Surface:
-    """In the base frame."""
+    """Surface in the base frame."""
     if isinstance(part, PlacedCapsule):
         return segment_surface(part.a, part.b, part.radius)
     if isinstance(part, PlacedSpheroid):
@@ -47,7 +47,7 @@ def part_distance(part: PlacedHull | pdoik.Shape) -> Callable[[FloatArray], floa
 
 
 def shape_surface(shape: pdoik.Shape) -> Surface:
-    """In the base frame."""
+    """Surface in the base frame."""
     T = np.asarray(shape.T_base_shape)
     R, t, size = T[:3, :3], T[:3, 3], np.array(shape.size)
     match shape.kind:

@@ -57,5 +57,5 @@ def start_server(host: str, port: int | None) -> PageServer:
 
 
 def open_browser(url: str) -> None:
-    """In the background: some browsers return only when they are closed."""
+    """Open a browser in the background: some browsers return only when they are closed."""
     threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()

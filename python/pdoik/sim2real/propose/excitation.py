@@ -231,7 +231,7 @@ def _strokes(
     rate: FloatArray,
     stuck: FloatArray,
 ) -> FloatArray:
-    """To and fro, every stroke with a speed of its own, up to six times slower than `speed`.
+    """Path (rows, n) to and fro, each stroke with its own speed, down to a sixth of `speed`.
 
     A part has strokes of one order of length, `reach`: what small ones show, large ones drown. Each
     is longer by what friction takes of it, which is passed quickly.

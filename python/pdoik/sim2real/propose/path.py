@@ -34,7 +34,7 @@ class Path:
 
     @property
     def curve(self) -> CubicSpline:
-        """Through the rows, at rest at both ends."""
+        """Spline through the rows, at rest at both ends."""
         return CubicSpline(self.time, self.q, bc_type="clamped")
 
     def toward(self, start: FloatArray, share: float) -> Path:

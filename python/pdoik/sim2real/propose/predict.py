@@ -113,7 +113,7 @@ class Predict:
         )
 
     def motion(self, recording: Recording) -> Motion:
-        """As a recording's is."""
+        """Motion of a predicted recording, made as a recording's is."""
         study, like = self.prepared.study, self._like
         quiet = np.full(self.prepared.fit.n, _QUIET)
         setups = {**study.setups, recording.name: Setup(held=self._held)}

@@ -235,7 +235,7 @@ def _indices(place: Place) -> tuple[int, ...]:
 
 
 def _always(place: Place) -> Place:
-    """Without a window of time, which no other motion has."""
+    """Place without a window of time, which no other motion has."""
     if place.gate is not None and place.gate.of != "position":
         place = replace(place, gate=None)
     return replace(place, recording=None, window=None)

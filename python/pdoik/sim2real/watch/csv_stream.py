@@ -120,7 +120,7 @@ class CsvStream:
         return np.concatenate([np.empty((0, len(self._columns))), *batches]) * self._factors
 
     def _line_by_line(self, lines: bytes) -> FloatArray:
-        """Without the lines that hold something else than numbers."""
+        """Rows of numbers, without the lines that hold something else than numbers."""
         kept, lost, reason = [], 0, ""
         every = lines.splitlines(keepends=True)
         for line in every:

@@ -62,7 +62,7 @@ class Gizmo:
         self._handle.visible = visible
 
     def turn(self, turns: bool) -> None:
-        """With arcs to turn it by, or without."""
+        """Show arcs to turn it by, or none."""
         self._handle.disable_rotations = not turns
 
     def remove(self) -> None:

@@ -62,7 +62,7 @@ class TargetGizmos:
                     ball.color, label.text = color, text
 
     def follow(self, goals: Mapping[str, TipGoal]) -> None:
-        """As many as there are targets; free tips have nothing to drag, positions no arcs."""
+        """Show as many as there are targets; free tips have nothing to drag, positions no arcs."""
         for tip, goal in goals.items():
             others = self._others[tip]
             if len(self._marks[tip]) != _marks_of(goal):

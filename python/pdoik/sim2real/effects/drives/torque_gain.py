@@ -34,7 +34,7 @@ class TorqueGain(TorqueChannel):
     gated = True
 
     def error(self, motion: Motion, true: FloatArray) -> FloatArray:
-        """In proportion to the torque."""
+        """Error in proportion to the torque, (T, 1) [N m]."""
         return true[:, None]
 
     @property
