@@ -46,15 +46,15 @@ def sample_path(
     stations = [T[0]]
     for one, other in itertools.pairwise(T):
         vector = rotation_vector(one[:3, :3].T @ other[:3, :3])
-        way = other[:3, 3] - one[:3, 3]
+        offset = other[:3, 3] - one[:3, 3]
         pieces = max(
-            int(np.ceil(np.linalg.norm(way) / spacing - 1e-9)),
+            int(np.ceil(np.linalg.norm(offset) / spacing - 1e-9)),
             int(np.ceil(np.linalg.norm(vector) / turn_spacing - 1e-9)),
         )
         for share in np.arange(1, pieces) / max(pieces, 1):
             station = np.eye(4)
             station[:3, :3] = one[:3, :3] @ rotation_of(share * vector)
-            station[:3, 3] = one[:3, 3] + share * way
+            station[:3, 3] = one[:3, 3] + share * offset
             stations.append(station)
         if pieces > 0:
             stations.append(other)

@@ -186,6 +186,6 @@ def _way_inside(centers: FloatArray, solid: Solid, slack: float) -> NDArray[np.b
     step = max(_CHUNK // len(centers), 1)
     for n in range(0, len(centers), step):
         for share in _SHARES:
-            way = np.rint((1 - share) * at[n : n + step, None] + share * at).astype(np.int32)
-            found[n : n + step] &= clear[way[..., 0], way[..., 1], way[..., 2]]
+            cells = np.rint((1 - share) * at[n : n + step, None] + share * at).astype(np.int32)
+            found[n : n + step] &= clear[cells[..., 0], cells[..., 1], cells[..., 2]]
     return found & found.T

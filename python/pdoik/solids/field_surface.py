@@ -57,12 +57,12 @@ class _Field:
         share = 1.0
         for _ in range(_SLIDES):
             square = float(slope @ slope)
-            way = point - place
+            offset = point - place
             if square > _LEVEL:
-                way = way - (way @ slope) / square * slope
-            if share * np.linalg.norm(way) < _SHORTEST * self._cell:
+                offset = offset - (offset @ slope) / square * slope
+            if share * np.linalg.norm(offset) < _SHORTEST * self._cell:
                 break
-            other, its_slope = self._down(place + share * way)
+            other, its_slope = self._down(place + share * offset)
             if np.linalg.norm(other - point) < np.linalg.norm(place - point):
                 place, slope = other, its_slope
             else:

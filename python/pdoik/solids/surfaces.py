@@ -21,8 +21,8 @@ Surface = Callable[[FloatArray], tuple[float, FloatArray]]
 def ball_surface(center: FloatArray, radius: float) -> Surface:
     def to_ball(point: FloatArray) -> tuple[float, FloatArray]:
         distance = float(np.linalg.norm(point - center))
-        way = (point - center) / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
-        return distance - radius, center + radius * way
+        outward = (point - center) / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
+        return distance - radius, center + radius * outward
 
     return to_ball
 
@@ -97,9 +97,9 @@ def _cylinder(radius: float, half: float) -> Surface:
 
     def to_cylinder(point: FloatArray) -> tuple[float, FloatArray]:
         out = float(np.hypot(point[0], point[1]))
-        way = point[:2] / out if out > 0 else np.array([1.0, 0.0])
+        outward = point[:2] / out if out > 0 else np.array([1.0, 0.0])
         distance, (r, z) = section(np.array([out, point[2]]))
-        return distance, np.array([*(r * way), z])
+        return distance, np.array([*(r * outward), z])
 
     return to_cylinder
 

@@ -149,10 +149,10 @@ def pose_of(recipe: Recipe, frame: Frame) -> FloatArray:
 
 def _there_and_back(pose: FloatArray, frame: Frame, count: int) -> tuple[FloatArray, int]:
     """Path from the start to the pose, and back at the end; and how many rows either takes."""
-    limits, way = frame.limits, np.abs(pose - frame.start)
+    limits, distance = frame.limits, np.abs(pose - frame.start)
     # The quintic's largest speed is 15/8 of its mean, its largest acceleration 5.78 of D / T^2.
-    by_speed = float(np.max(15 / 8 * way / (_TO_POSE * limits.speed)))
-    by_rate = float(np.max(np.sqrt(5.78 * way / (_TO_POSE * limits.acceleration))))
+    by_speed = float(np.max(15 / 8 * distance / (_TO_POSE * limits.speed)))
+    by_rate = float(np.max(np.sqrt(5.78 * distance / (_TO_POSE * limits.acceleration))))
     needed = min(max(by_speed, by_rate, 0.3), 0.3 * frame.duration)
     rest, rows = round(REST / STEP), round(needed / STEP)
     s = np.linspace(0.0, 1.0, rows)
@@ -262,8 +262,8 @@ def _stroke(length: float, pace: float, rate: float) -> FloatArray:
     rows = max(round(whole / STEP), 2)
     t = np.linspace(0.0, whole, rows)
     speed = np.clip(np.minimum(t, whole - t) / ramp, 0.0, 1.0)
-    way = np.cumsum(speed)
-    return np.asarray(length * way / way[-1], dtype=np.float64)
+    travelled = np.cumsum(speed)
+    return np.asarray(length * travelled / travelled[-1], dtype=np.float64)
 
 
 def _moves(
@@ -276,10 +276,10 @@ def _moves(
         goal = rng.uniform(-1.0, 1.0, n) * reach
         if rng.random() < 0.3:
             goal = np.where(rng.random(n) < 0.5, goal, here)
-        way = np.abs(goal - here)
+        distance = np.abs(goal - here)
         # With ramps of a fifth the speed is 1.25 D / T, the acceleration 6.25 D / T^2.
-        by_rate = float(np.max(np.sqrt(6.25 * way / (_RAMP * rate))))
-        needed = max(float(np.max(1.25 * way / speed)), by_rate, 0.3)
+        by_rate = float(np.max(np.sqrt(6.25 * distance / (_RAMP * rate))))
+        needed = max(float(np.max(1.25 * distance / speed)), by_rate, 0.3)
         count = max(round(needed / STEP), 2)
         t = np.linspace(0.0, 1.0, count)
         pace = np.cumsum(np.clip(np.minimum(t, 1.0 - t) / 0.2, 0.0, 1.0))

@@ -78,8 +78,8 @@ class ExternalContact(Effect):
         """Statement of the finding in words."""
         force = np.array([values[f"force_{axis}"] for axis in "xyz"])
         size = float(np.linalg.norm(force))
-        way = ", ".join(f"{f:.2g}" for f in force / max(size, 1e-12))
-        return f"Something pushed {where} with {size:.3g} N along ({way}) of the base."
+        direction = ", ".join(f"{f:.2g}" for f in force / max(size, 1e-12))
+        return f"Something pushed {where} with {size:.3g} N along ({direction}) of the base."
 
     def regime(self, where: str) -> str:
         """When it shows."""

@@ -51,10 +51,10 @@ class GearEfficiency(Effect):
 
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether the recordings have both: a load that is moved, and one that moves."""
-        ways = np.concatenate(
+        parts = np.concatenate(
             [self.columns(m, place, shape)["torque", place.joints[0]] for m in motions]
         )
-        squares = np.mean(ways**2, axis=0)
+        squares = np.mean(parts**2, axis=0)
         return bool(squares.min() > _LEAST * squares.sum())
 
     def parts(self, site: Site) -> tuple[Part, ...]:
