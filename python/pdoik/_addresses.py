@@ -44,25 +44,25 @@ class Places:
     )
 
     @classmethod
-    def of(cls, told: Packages = (), file: Path | None = None) -> Places:
-        """The places that somebody tells, and those around a file.
+    def of(cls, given: Packages = (), file: Path | None = None) -> Places:
+        """The places that are given, and those around a file.
 
         Raises:
-            LoadError: What is told is no folder.
+            LoadError: What is given is no folder.
         """
-        if isinstance(told, Places):
-            return told.before(cls(file=file))
-        if isinstance(told, Mapping):
-            named = {name: at_home(folder) for name, folder in told.items()}
+        if isinstance(given, Places):
+            return given.before(cls(file=file))
+        if isinstance(given, Mapping):
+            named = {name: at_home(folder) for name, folder in given.items()}
             for name, folder in named.items():
                 if not folder.is_dir():
-                    raise LoadError(f"package {name!r} is told to be in {folder}: no such folder")
+                    raise LoadError(f"package {name!r} is said to be in {folder}: no such folder")
             return cls(named=named, file=file)
-        folders = [told] if isinstance(told, str | os.PathLike) else told or ()
+        folders = [given] if isinstance(given, str | os.PathLike) else given or ()
         holding = tuple(at_home(folder) for folder in folders)
         for folder in holding:
             if not folder.is_dir():
-                raise LoadError(f"packages are told to be in {folder}: no such folder")
+                raise LoadError(f"packages are said to be in {folder}: no such folder")
         return cls(holding=holding, file=file)
 
     def before(self, others: Places) -> Places:
@@ -84,7 +84,7 @@ class Places:
         """The file that an address means.
 
         Paths are absolute or relative to the file that has them. What is in none of the packages
-        may be beside that file by its last parts: others' absolute paths, packages without a name.
+        may be next to that file by its last parts: others' absolute paths, packages without a name.
 
         Raises:
             LoadError: It is nowhere.
@@ -100,7 +100,7 @@ class Places:
             texts = (rest, unquote(rest))
             whole = (Path(text) for text in texts if Path(text).is_absolute())
             candidates = chain(whole, (p / text for text in texts for p in self._around()))
-        strict = name in self.named  # what is told is not overruled
+        strict = name in self.named  # what is given is not overruled
         for path in chain(candidates, () if strict else self._by_last_parts(rest)):
             if is_file(path):
                 return path
@@ -158,7 +158,7 @@ class Places:
         where = [*map(str, self.holding), *(v for v in _VARIABLES if os.environ.get(v))]
         where += [] if self.file is None else [f"the folders above {self.file}"]
         return (
-            f"package {name!r} is nowhere{' in ' if where else ''}{', '.join(where)}: tell its"
+            f"package {name!r} is nowhere{' in ' if where else ''}{', '.join(where)}: give its"
             f" folder, packages={{{name!r}: FOLDER}} or --package-dir {name}=FOLDER, or put the"
             f" folder above it into {_VARIABLES[0]}"
         )
@@ -169,7 +169,7 @@ Packages = Mapping[str, StrPath] | Sequence[StrPath] | Places | None
 
 
 def at_home(path: StrPath) -> Path:
-    """A path with its first ~ told.
+    """A path with its first ~ expanded.
 
     Raises:
         LoadError: There is no such home.

@@ -14,7 +14,7 @@ _CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 def distances_at(values: Values, cell: float, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """What a field says of points in its frame.
 
-    Beside the box of the cells' middles: of the nearest place in it, with what the point is off.
+    Outside the box of the cells' middles: of the nearest place in it, with what the point is off.
 
     Args:
         values: Of the cells' middles, (X, Y, Z) [m].
@@ -41,14 +41,14 @@ def distances_at(values: Values, cell: float, points: FloatArray) -> tuple[Float
     off = cell * (places - inside)
     length = np.linalg.norm(off, axis=1)
     gradient[off != 0] = 0.0
-    beside = np.where(found > 0, np.hypot(found, length), found + length)
+    distances = np.where(found > 0, np.hypot(found, length), found + length)
     with np.errstate(divide="ignore", invalid="ignore"):
         outer = np.where(
             found[:, None] > 0,
-            (found[:, None] * gradient + off) / beside[:, None],
+            (found[:, None] * gradient + off) / distances[:, None],
             gradient + off / length[:, None],
         )
-    return beside, np.where(length[:, None] > 0, outer, gradient)
+    return distances, np.where(length[:, None] > 0, outer, gradient)
 
 
 def least_along(values: Values, cell: float, a: FloatArray, b: FloatArray) -> float:
@@ -63,12 +63,12 @@ def least_along(values: Values, cell: float, a: FloatArray, b: FloatArray) -> fl
     t = np.unique(np.concatenate(cuts))
 
     def at(share: FloatArray) -> FloatArray:
-        """Of places in each interval, (K,), by interval (T, K)."""
+        """Distances at places in each interval, (K,), by interval (T, K)."""
         places = t[:-1, None] + np.diff(t)[:, None] * share
         points = a + places.reshape(-1, 1) * (b - a)
         return distances_at(values, cell, points)[0].reshape(places.shape)
 
-    # In a cell it is a cubic: by four of its values, where its slope is 0. Beside the box it is
+    # In a cell it is a cubic: by four of its values, where its slope is 0. Outside the box it is
     # something like that, and looked at more closely.
     of_cubic = np.linalg.inv(np.vander(np.linspace(0, 1, 4), 4))
     coefficients = at(np.linspace(0, 1, 4)) @ of_cubic.T

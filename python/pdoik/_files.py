@@ -12,7 +12,7 @@ unfinished: set[Path] = set()
 
 @contextmanager
 def renamed_when_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary name beside `path` to write to; what is there at the end gets its name."""
+    """A temporary name next to `path` to write to; what is there at the end gets its name."""
     target = Path(path)
     temporary = target.with_name(f".{target.stem}.{secrets.token_hex(4)}{target.suffix}")
     unfinished.add(temporary)
@@ -26,7 +26,7 @@ def renamed_when_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
-    """Write to a temporary name beside `path`, then rename it: nobody ever reads half a file."""
+    """Write to a temporary name next to `path`, then rename it: nobody ever reads half a file."""
     with renamed_when_whole(path) as temporary, temporary.open("xb") as file:
         file.write(content.encode() if isinstance(content, str) else content)
         file.flush()

@@ -26,7 +26,7 @@ class PlacedSpheroid:
 
     @property
     def ends(self) -> FloatArray:
-        """Its foci, (2, 3) [m]."""
+        """Foci of the spheroid, (2, 3) [m]."""
         return np.array([self.focus_a, self.focus_b])
 
     @property
@@ -56,7 +56,7 @@ class PlacedCapsule:
 
     @property
     def ends(self) -> FloatArray:
-        """Of its segment, (2, 3) [m]."""
+        """Ends of the segment, (2, 3) [m]."""
         return np.array([self.a, self.b])
 
     @property

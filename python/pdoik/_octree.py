@@ -44,7 +44,7 @@ class Octree:
 
 
 def read_octree(content: bytes) -> Octree:
-    """The tree of a .bt or .ot file, which its first line tells apart.
+    """The tree of a .bt or .ot file, distinguished by its first line.
 
     Raises:
         OctreeError: It is none, cut short, or of a class with other nodes.
@@ -81,7 +81,7 @@ def octree_of_data(
         kind: The class it is of, such as "OcTree".
         resolution: Edge of the smallest cells [m].
         binary: Whether the nodes are those of .bt.
-        count: How many there are to be, the root included; None if that is not told.
+        count: How many there are to be, the root included; None if that is not given.
 
     Raises:
         OctreeError: As `read_octree`.

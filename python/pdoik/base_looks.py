@@ -112,7 +112,7 @@ def look(
 def _reached(
     solver: Solver, paths: Sequence[Any], scene: _core.Scene | None, question: Question
 ) -> float:
-    """Of the stations that are looked at, how many have an answer of their own."""
+    """Share of the stations looked at that have an answer of their own."""
     chosen: list[Any] = []
     for path in paths:
         rows = np.unique(np.append(np.arange(0, len(path), question.every), len(path) - 1))
@@ -151,9 +151,9 @@ def _to_singularity(solver: Solver, path: Any, result: _core.PathResult) -> floa
     for k in rows:
         goal = path[round(float(at[k])) % len(path)]
         try:
-            told = solver.derivatives(goal, result.q[k]).singular_distance
+            distance = solver.derivatives(goal, result.q[k]).singular_distance
         except ValueError:  # goals that leave too much open
             return np.inf
-        if told is not None and np.isfinite(told):
-            least = min(least, told)
+        if distance is not None and np.isfinite(distance):
+            least = min(least, distance)
     return least

@@ -59,7 +59,7 @@ def _is_matrix(value: Any) -> bool:
 
 def _given_goals(station: Any) -> list[dict[str, Any]]:
     goals = station if isinstance(station, list) else [station]
-    told = []
+    found = []
     for each in goals:
         goal = each if isinstance(each, _core.Goal) else _core.Goal(each, type="pose")
         if goal.type == "center_of_mass":
@@ -67,8 +67,8 @@ def _given_goals(station: Any) -> list[dict[str, Any]]:
         words = {name: getattr(goal, name) for name in _GOAL_WORDS}
         arrays = {name: getattr(goal, name) for name in _GOAL_ARRAYS}
         copies = {name: np.array(value) for name, value in arrays.items() if value is not None}
-        told.append({"T_base_tip": np.array(goal.T_base_tip), **words, **copies})
-    return told
+        found.append({"T_base_tip": np.array(goal.T_base_tip), **words, **copies})
+    return found
 
 
 def moved_path(path: Any, T: FloatArray) -> Any:
@@ -76,13 +76,13 @@ def moved_path(path: Any, T: FloatArray) -> Any:
     if isinstance(path, np.ndarray):
         return T @ path
     stations = []
-    for told in path:
+    for station in path:
         goals = [
             _core.Goal(
                 each["T_base_tip"] if each["relative_to"] is not None else T @ each["T_base_tip"],
                 **{name: value for name, value in each.items() if name != "T_base_tip"},
             )
-            for each in told
+            for each in station
         ]
         stations.append(goals if len(goals) > 1 else goals[0])
     return stations
@@ -92,7 +92,7 @@ def way_of(path: Any) -> FloatArray:
     """Where the tool goes, (N, 3) [m]."""
     if isinstance(path, np.ndarray):
         return path[:, :3, 3].copy()
-    return np.array([told[0]["T_base_tip"][:3, 3] for told in path])
+    return np.array([station[0]["T_base_tip"][:3, 3] for station in path])
 
 
 def given_obstacles(obstacles: Any) -> tuple[Any, ...]:

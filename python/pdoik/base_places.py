@@ -66,10 +66,10 @@ def places_of(region: Mapping[str, Any] | npt.ArrayLike) -> FloatArray:
     return np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, 4)
 
 
-def _range(name: str, told: Any) -> FloatArray:
-    numbers = np.atleast_1d(np.asarray(told, dtype=np.float64))
+def _range(name: str, given: Any) -> FloatArray:
+    numbers = np.atleast_1d(np.asarray(given, dtype=np.float64))
     if numbers.shape not in ((1,), (3,)) or not np.isfinite(numbers).all():
-        raise ValueError(f"region has {told!r} for {name}, expected a number or (from, to, step)")
+        raise ValueError(f"region has {given!r} for {name}, expected a number or (from, to, step)")
     if len(numbers) == 1:
         return numbers
     low, high, step = numbers
@@ -104,7 +104,7 @@ class BasePlace:
 
     @property
     def T(self) -> FloatArray:
-        """Of the base in the world, or of the part in the base, (4, 4) [m]."""
+        """Pose of the base in the world, or of the part in the base, (4, 4) [m]."""
         return transform_of(np.array([self.x, self.y, self.z, self.yaw]))
 
 
@@ -151,7 +151,7 @@ class BasePlaces:
 
     @property
     def whole(self) -> npt.NDArray[np.bool_]:
-        """From which places all paths are whole, (K,)."""
+        """Whether all paths are whole from each place, (K,)."""
         return np.asarray(self.statuses == STATUSES.index("whole"))
 
     @property
@@ -230,15 +230,15 @@ class BasePlaces:
 
     def __repr__(self) -> str:
         best = self.best
-        told = "" if best is None else (
+        where = "" if best is None else (
             f", best at x {best.x:.3g}, y {best.y:.3g}, z {best.z:.3g}, yaw {best.yaw:.3g}"
         )  # fmt: skip
         count = int(self.whole.sum())
-        return f"<BasePlaces of {len(self)}, whole from {count}{told}, in {self.seconds:.3g} s>"
+        return f"<BasePlaces of {len(self)}, whole from {count}{where}, in {self.seconds:.3g} s>"
 
 
 def transform_of(place: FloatArray) -> FloatArray:
-    """Of x, y, z, yaw, (4, 4) [m]."""
+    """Transform of x, y, z, yaw, (4, 4) [m]."""
     x, y, z, yaw = place
     T = np.eye(4)
     T[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
@@ -247,7 +247,7 @@ def transform_of(place: FloatArray) -> FloatArray:
 
 
 def npz_of(places: BasePlaces, **more: Any) -> bytes:
-    """All of it as an .npz file's content, with other arrays beside."""
+    """All of it as an .npz file's content, with other arrays."""
     ends = np.cumsum([len(way) for way in places.ways])
     points = np.concatenate(places.ways) if places.ways else np.empty((0, 3))
     buffer = io.BytesIO()

@@ -96,7 +96,7 @@ def place_base(
         every: Stations from one that is looked at first to the next.
         threads: 0 for one per processor.
         client: A Dask client: its workers share the work, each with `threads` threads.
-        progress: Told how many places are done after each chunk; what it raises ends the work.
+        progress: Called with the number of places done after each chunk; its errors end the work.
         chunk: Places that are asked for at once.
         keep: An .npz file that what is done is kept in all along. If it is there, and of the same
             question, the work goes on from it.
@@ -213,7 +213,7 @@ class _Found:
         self._kept_at, self._is_kept = now, True
 
     def result(self) -> BasePlaces:
-        """As it is now."""
+        """Table of places as it is now."""
         return BasePlaces(
             places=self.places,
             statuses=self.statuses,

@@ -25,7 +25,7 @@ class ObstacleWarning(UserWarning):
 
 
 class GoalWarning(UserWarning):
-    """A goal or a start is given in a way that is a mistake, most likely; it is taken as told."""
+    """A goal or a start is given in a way that is a mistake, most likely; it is taken as given."""
 
 
 class OverhangWarning(UserWarning):

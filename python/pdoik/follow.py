@@ -85,7 +85,7 @@ class PathFollower:
 
     @property
     def duration(self) -> float:
-        """Of all of it, undisturbed [s]."""
+        """Duration of all of it, undisturbed [s]."""
         return float(self._time[-1])
 
     @property
@@ -121,23 +121,23 @@ class PathFollower:
         return step
 
     def _poses(self, q: FloatArray) -> dict[str, FloatArray]:
-        """Of the tool at each tip."""
+        """Pose of the tool at each tip, (4, 4) each [m]."""
         return {tip: self._robot.fk(q, tip) @ self._tool for tip in self._robot.tip_links}
 
     def _times(self, tool_speed: float) -> FloatArray:
-        """When to be at each row: by the tool's way, or by the joint that takes longest."""
+        """Times of the rows [s], (N,): by the tool's path length, or by the slowest joint."""
         tip = self._robot.tip_links[0]
         places = np.array([self._poses(q)[tip][:3, 3] for q in self._q])
-        ways = np.linalg.norm(np.diff(places, axis=0), axis=1)
+        lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
         moved = np.abs(np.diff(self._q, axis=0))
-        for name, most, way in zip(
+        for name, most, length in zip(
             self._robot.joint_names, self._robot.velocity, moved.max(axis=0), strict=True
         ):
-            if way > 0 and not most > 0:
+            if length > 0 and not most > 0:
                 raise ValueError(f"joint {name!r} moves along the path and may not move")
         speeds = np.where(moved.max(axis=0) > 0, self._robot.velocity, 1.0)
         turns = (moved / speeds).max(axis=1)
-        return np.append(0.0, np.cumsum(np.maximum(ways / tool_speed, turns)))
+        return np.append(0.0, np.cumsum(np.maximum(lengths / tool_speed, turns)))
 
     def __repr__(self) -> str:
         return f"<PathFollower at {self.elapsed:.3g} of {self.duration:.3g} s>"

@@ -46,15 +46,15 @@ def sample_path(
     stations = [T[0]]
     for one, other in itertools.pairwise(T):
         vector = rotation_vector(one[:3, :3].T @ other[:3, :3])
-        way = other[:3, 3] - one[:3, 3]
+        offset = other[:3, 3] - one[:3, 3]
         pieces = max(
-            int(np.ceil(np.linalg.norm(way) / spacing - 1e-9)),
+            int(np.ceil(np.linalg.norm(offset) / spacing - 1e-9)),
             int(np.ceil(np.linalg.norm(vector) / turn_spacing - 1e-9)),
         )
         for share in np.arange(1, pieces) / max(pieces, 1):
             station = np.eye(4)
             station[:3, :3] = one[:3, :3] @ rotation_of(share * vector)
-            station[:3, 3] = one[:3, 3] + share * way
+            station[:3, 3] = one[:3, 3] + share * offset
             stations.append(station)
         if pieces > 0:
             stations.append(other)
@@ -75,7 +75,7 @@ def solve_path(
     """Follow a whole path as one question: a seam, a spray path, a scan.
 
     Args:
-        robot: Who follows it; or a solver, with what it carries.
+        robot: Who follows it; or a solver, with what is attached to it.
         path: Poses of the tool, shape (N, 4, 4) [m], or a list of goals as `Solver.solve_path`
             takes them.
         obstacles: As in `Solver.solve`.

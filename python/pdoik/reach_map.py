@@ -62,7 +62,7 @@ class Reachability:
 
     @property
     def share(self) -> FloatArray:
-        """Of the orientations at each position, how many are reached, shape (P,)."""
+        """Share of the orientations at each position that are reached, shape (P,)."""
         share: FloatArray = self.reached.mean(axis=1)
         return share
 
@@ -147,7 +147,7 @@ def reachability(
             for nearly all poses that have an answer; of given ones all counts.
         threads: 0 for one per processor.
         client: A Dask client: its workers share the work, each with `threads` threads.
-        progress: Told how many poses are done after each chunk; what it raises ends the work.
+        progress: Called with the number of poses done after each chunk; its errors end the work.
         chunk: Poses that are asked for at once.
 
     Raises:

@@ -16,10 +16,10 @@ class Tracker(_core.Tracker):
     Every step begins with standing still. What comes nearest to the goals inside a box of speed
     limits times period, cut with the joint limits, takes its place only if it is no deeper in
     anything than standing still, nor than contact, all along the straight way there: in points,
-    shapes, the robot itself, what it carries, beyond the balance it keeps. Half the room before
-    contact is what one step may take, and what is touched is left first. A goal that cannot be
-    reached is come near to, and the robot rests. There are no restarts. Bad numbers do not raise:
-    the last answer stands, and the step says so. It belongs to one thread.
+    shapes, the robot itself, what is attached to it, beyond the balance it keeps. Half the room
+    before contact is what one step may take, and what is touched is left first. A goal that cannot
+    be reached is come near to, and the robot rests. There are no restarts. Bad numbers do not
+    raise: the last answer stands, and the step says so. It belongs to one thread.
 
     >>> import numpy as np
     >>> import pdoik

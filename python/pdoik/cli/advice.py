@@ -52,6 +52,6 @@ def advice(solution: Solution) -> list[str]:
         tips.append("hulls with pieces of the links themselves, which pdoik occupancy makes")
     if solution.obstacles is not None and result.status not in _NO_OBSTACLE:
         given = "--cloud" if solution.obstacles.scene is None else "--scene"
-        tips.append(f"the same without {given}, which tells whether obstacles are in the way")
+        tips.append(f"the same without {given}, which shows whether obstacles are in the way")
     tips.append("--report case.json, if it should have been solved: a file to send with an issue")
     return tips

@@ -1,4 +1,4 @@
-"""pdoik compare: a simulator beside the machine, and what of its properties differs."""
+"""pdoik compare: a simulator and the machine, and what of its properties differs."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def diagnose(
 ) -> None:
     """Say where recordings and model disagree, what physics was left out, and how sure that is.
 
-    A recording's entry may say what was held (payload), other gains (controller), the day
+    A recording's entry may say what was attached (payload), other gains (controller), the day
     (session): what changes from day to day is given as a spread.
 
     Writes diagnosis.json as soon as it is known, then model.json, the improved model, motions.npz

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class FitStory:
-    """What is told of each link as `fit_occupancy` goes on."""
+    """What is reported of each link as `fit_occupancy` goes on."""
 
     def __init__(self, bar: Progress) -> None:
         self._bar = bar
@@ -47,7 +47,7 @@ class FitStory:
         return f"{news.link}: {capsules}, {how}" if news.n_capsules else f"{news.link}: {how}"
 
     def _left(self, share: float) -> str:
-        """By the work that is done since the first link was begun."""
+        """Time left, in words, by the work done since the first link was begun."""
         if self._start is None or share >= 1.0 - 1e-9 or share <= self._start[1]:
             return ""
         begun, kept = self._start
@@ -57,6 +57,6 @@ class FitStory:
 
 @contextmanager
 def fit_story() -> Iterator[FitStory]:
-    """To give to a fit; the bar vanishes at the end."""
+    """Progress report to give to a fit; the bar vanishes at the end."""
     with share_bar() as bar:
         yield FitStory(bar)

@@ -70,7 +70,7 @@ def read_station_file(path: Path) -> list[list[Goal]]:
 
 @asks_for("files")
 def _listed(path: Path, what: str, with_lines: bool = False) -> list[Entry]:
-    """A file's entries, with their lines if these are to be told."""
+    """A file's entries, with their lines if these are to be reported."""
     import yaml
 
     text = read_text(path)
@@ -150,15 +150,15 @@ def _axis(entry: Entry, rest: Mapping[str, Any]) -> Goal:
 
 def _look_at(entry: Entry, rest: Mapping[str, Any]) -> Goal:
     look = entry["look_at"]
-    told: dict[str, Any] = dict(rest)
+    keywords: dict[str, Any] = dict(rest)
     point = look
     if not isinstance(look.value, list):
         _only(look, "point", "axis", "cone")
         point = look["point"]
-        told["cone"] = _cone(look)
+        keywords["cone"] = _cone(look)
         if "axis" in look.names():
-            told["axis"] = _direction(look["axis"])
-    made: Goal = Goal.look_at(point.array(3), **told)
+            keywords["axis"] = _direction(look["axis"])
+    made: Goal = Goal.look_at(point.array(3), **keywords)
     return made
 
 
@@ -176,7 +176,7 @@ _KINDS: dict[str, tuple[Callable[[Entry, Mapping[str, Any]], Goal], tuple[str, .
 
 
 def _frame(entry: Entry) -> FloatArray:
-    """Of xyz [m] and rpy [rad] or wxyz, or of a matrix, (4, 4); what is left out is zero."""
+    """Transform (4, 4) of xyz [m] and rpy [rad] or wxyz, or of a matrix; zero where left out."""
     _only(entry, *_FRAME)
     names = entry.names()
     if "matrix" in names:

@@ -26,7 +26,7 @@ _SHOW_CURSOR = b"\r\x1b[K\x1b[?25h"  # in place of a progress bar
 
 
 def take_over() -> None:
-    """From now on Ctrl-C says so in a line and ends the process with status 130.
+    """Make Ctrl-C say so in a line and end the process with status 130.
 
     Not where it was to be ignored, as in the background of a script.
     """

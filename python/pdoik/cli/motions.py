@@ -39,7 +39,7 @@ def check_files(model: Path, motion: Path, output: Path, robot: Path | None = No
 Columns = Annotated[
     Path | None,
     typer.Option(
-        help="A study whose 'columns:', 'units:' and 'ignore:' tell how the logs are read; without"
+        help="A study whose 'columns:', 'units:' and 'ignore:' say how the logs are read; without"
         " it names and units are pdoik's, or as the names say."
     ),
 ]

@@ -64,7 +64,7 @@ class Obstacles:
 def solver_of(
     robot: pdoik.Robot, options: pdoik.Options, obstacles: Obstacles | None
 ) -> pdoik.Solver:
-    """One that carries what links carry in the scene.
+    """A solver with what is attached to links in the scene.
 
     Raises:
         ValueError: It cannot be made, or they cannot carry that.
@@ -158,7 +158,7 @@ def check_files(cloud: Path | None, scene: Path | None) -> None:
 def _read_scene(
     file: Path, robot: pdoik.Robot | None, frame: str | None, without: Sequence[str]
 ) -> SceneFile:
-    """A scene without the robot; what is odd about it and what it leaves out is told."""
+    """A scene without the robot; what is odd about it and what it leaves out is reported."""
     with warnings_given(pdoik.ObstacleWarning):
         scene = read_scene_file(file, robot=robot, frame=frame, without=without)
     if out := scene.left_out:

@@ -93,7 +93,7 @@ def occupancy(
         fit_story() as story,
         warnings.catch_warnings(),
     ):
-        warnings.simplefilter("ignore", OverhangWarning)  # told under the table
+        warnings.simplefilter("ignore", OverhangWarning)  # reported under the table
         urdf = described(robot, package_dir, xacro_arg, folder)
         fit = fit_occupancy(
             urdf,

@@ -270,7 +270,7 @@ def _needs_scipy() -> None:
 
 
 def _in_time(answer: PathAnswer, how: dict[str, Any], pace: dict[str, Any]) -> PathAnswer:
-    """With its trajectory, where there is a way to the end of what was found."""
+    """Answer with its trajectory, where there is a way to the end of what was found."""
     from dataclasses import replace
 
     result = answer.result

@@ -51,7 +51,7 @@ class PathFile:
     goals: list[list[pdoik.Goal]] | None = None
 
     def stations(self, axis: str | None, spacing: float | None) -> Any:
-        """As `Solver.solve_path` takes them: poses (N, 4, 4), or a list of goals.
+        """Stations as `Solver.solve_path` takes them: poses (N, 4, 4), or a list of goals.
 
         Args:
             axis: Of the tool, that it may turn about.
@@ -211,9 +211,9 @@ def _without_repeats(path: Path, lines: list[int], poses: FloatArray) -> FloatAr
     moves = np.abs(np.diff(poses, axis=0)).max(axis=(1, 2)) > _SAME
     kept = np.append(True, moves)
     if not kept.all():
-        told = [str(line) for line, keep in zip(lines, kept, strict=True) if not keep]
-        more = f" and {len(told) - 5} more" if len(told) > 5 else ""
-        warn(f"{path}: left out what repeats the row before: line {', '.join(told[:5])}{more}")
+        repeats = [str(line) for line, keep in zip(lines, kept, strict=True) if not keep]
+        more = f" and {len(repeats) - 5} more" if len(repeats) > 5 else ""
+        warn(f"{path}: left out what repeats the row before: line {', '.join(repeats[:5])}{more}")
     if kept.sum() < 2:
         raise EntryError(path, "expected at least two stations, got the same one again and again")
     left: FloatArray = poses[kept]

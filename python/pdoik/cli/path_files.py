@@ -116,7 +116,7 @@ def write_rows(file: Path, robot: pdoik.Robot, result: pdoik.PathResult) -> None
 
 
 def write_trajectory(file: Path, trajectory: pdoik.Trajectory) -> None:
-    """As CSV or as YAML, by the name."""
+    """Write it as CSV or as YAML, by the file's name."""
     if file.suffix.lower() == ".csv":
         trajectory.to_csv(file)
     else:

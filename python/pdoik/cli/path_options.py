@@ -68,7 +68,7 @@ Costs = Annotated[
     list[str] | None,
     typer.Option(
         "--cost",
-        help=f"What is kept small beside the motion: {', '.join(_COSTS)}; repeatable.",
+        help=f"What is kept small besides the motion: {', '.join(_COSTS)}; repeatable.",
         metavar="NAME=WEIGHT",
         rich_help_panel=SEARCH,
     ),
@@ -86,7 +86,7 @@ def robot_of_path(
     package_dir: list[str] | None,
     xacro_arg: list[str] | None,
 ) -> pdoik.Robot:
-    """With the tips that the path is about; leaves with status 2 where there is none."""
+    """Robot with the tips that the path is about; leaves with status 2 where there is none."""
 
     def read(tips: list[str] | None) -> pdoik.Robot:
         return load_robot(
@@ -102,7 +102,7 @@ def robot_of_path(
 
 
 def tool_of_path(tool: str | None, robot: pdoik.Robot) -> Any:
-    """On the tip, (4, 4)."""
+    """Tool on the tip, (4, 4)."""
     return tool_of(tool, robot, "a path of goals")
 
 
@@ -118,10 +118,10 @@ def per_joint(option: str, text: str | None, robot: pdoik.Robot) -> Any:
     return float(values[0]) if len(values) == 1 else values
 
 
-def costs_of(told: list[str] | None) -> dict[str, float] | None:
-    """What --cost tells."""
+def costs_of(given: list[str] | None) -> dict[str, float] | None:
+    """Costs that --cost gives, by name; None without any."""
     found: dict[str, float] = {}
-    for text in told or ():
+    for text in given or ():
         name, _, word = text.partition("=")
         try:
             value = float(word)

@@ -34,7 +34,7 @@ _SHOWN = 6  # stations without an answer, pieces
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PathAnswer:
-    """A result beside what it is a result of."""
+    """A result together with what it is a result of."""
 
     robot: pdoik.Robot
     solver: pdoik.Solver
@@ -140,9 +140,9 @@ def _breaks(answer: PathAnswer) -> list[str]:
     ]
     unsolved = list(result.unsolved)
     if unsolved:
-        told = ", ".join(str(k) for k in unsolved[:_SHOWN])
+        shown = ", ".join(str(k) for k in unsolved[:_SHOWN])
         more = f" and {len(unsolved) - _SHOWN} more" if len(unsolved) > _SHOWN else ""
-        lines.append(f"no solution was found at station {told}{more}")
+        lines.append(f"no solution was found at station {shown}{more}")
     for k, (first, end_row) in enumerate(result.pieces):
         lines.append(
             f"piece {k + 1}: from station {result.at[first]:.2f} to {result.at[end_row - 1]:.2f},"

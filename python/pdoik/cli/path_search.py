@@ -16,7 +16,7 @@ from .messages import err, tell
 
 _FIRST_GO = 2.0  # of searches; what is whole by then is not searched for again [s]
 _USED_UP = 0.5  # of its time: what ended sooner than that would say the same in a longer one
-_LOOKS = 0.2  # how often the time is told [s]
+_LOOKS = 0.2  # how often the time is shown [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -228,15 +228,15 @@ def place(
         with misuse_fails("--picture"):
             found.map(picture, title=f"{loaded.name}, {file.name}")
     if is_stopped:
-        told = "the same command goes on" if is_kept else "with an .npz as --out it could go on"
-        tell(f"stopped after {int(found.done.sum())} of {len(found)} places; {told}")
+        hint = "the same command goes on" if is_kept else "with an .npz as --out it could go on"
+        tell(f"stopped after {int(found.done.sum())} of {len(found)} places; {hint}")
         raise typer.Exit(STOPPED)
     if not found.whole.any():
         raise typer.Exit(NOT_SOLVED)
 
 
 class _StoppedError(Exception):
-    """By Ctrl-C."""
+    """The search was stopped by Ctrl-C."""
 
 
 def _progress() -> Progress:

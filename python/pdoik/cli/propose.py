@@ -43,7 +43,7 @@ _LIMITS = "Limits"  # panel
 
 def propose(
     report: Annotated[Path, typer.Argument(help="Folder of pdoik diagnose.")],
-    output: Annotated[Path, typer.Option("--out", help="CSV to write; JSON beside it.")] = Path(
+    output: Annotated[Path, typer.Option("--out", help="CSV to write; JSON next to it.")] = Path(
         "motion.csv"
     ),
     seconds: Annotated[float, typer.Option(help="Length of the motion.")] = 20.0,
@@ -114,7 +114,7 @@ def propose(
         ),
     ] = 0.0,
 ) -> None:
-    """Propose the motion that separates best what a diagnosis could not tell apart.
+    """Propose the motion that separates best what a diagnosis could not distinguish.
 
     Where a finding lists equivalents, or is less sure than 0.9, the motion along which these
     predict torques as different as can be, from rest to rest, within limits of position, speed,
@@ -183,7 +183,7 @@ def _check(report: Path, output: Path) -> None:
     if output.is_dir():
         fail(f"--out {output}: is a folder, expected a file")
     if output.suffix == ".json":
-        fail(f"--out {output}: expected a CSV; its JSON is written beside it")
+        fail(f"--out {output}: expected a CSV; its JSON is written next to it")
     if not output.parent.is_dir():
         fail(f"--out {output}: no such folder: {output.parent}")
 

@@ -44,18 +44,18 @@ class Question:
     lock: dict[str, float] = field(default_factory=dict)
 
     def keywords(self) -> dict[str, Any]:
-        """Of the method."""
-        told: dict[str, Any] = {"q0": self.q0, "lock": self.lock or None}
+        """Keyword arguments of the method."""
+        keywords: dict[str, Any] = {"q0": self.q0, "lock": self.lock or None}
         if self.call == "solve_any":
-            told["costs"] = self.costs
+            keywords["costs"] = self.costs
         if self.call == "solve_all":
-            told["limit"] = self.limit
-        return told
+            keywords["limit"] = self.limit
+        return keywords
 
     def ask(self, solver: pdoik.Solver, obstacles: Any) -> Any:
         """A Result, or Solutions."""
-        told = self.keywords()
-        return getattr(solver, self.call)(self.goals, obstacles=obstacles, **told)
+        call = getattr(solver, self.call)
+        return call(self.goals, obstacles=obstacles, **self.keywords())
 
     def met(self, result: pdoik.Result) -> Any:
         """The goals that a result is about."""
@@ -76,10 +76,10 @@ class Question:
 def check_goals(target: str | None, goals: Path | None, any_: Path | None, is_all: bool) -> None:
     """Leave with status 2 where not one of them is given."""
     given = {"--target": target, "--goals": goals, "--any": any_}
-    told = [option for option, value in given.items() if value is not None]
-    if len(told) > 1:
-        fail(f"{' and '.join(told)}: expected one of them")
-    if not told:
+    named = [option for option, value in given.items() if value is not None]
+    if len(named) > 1:
+        fail(f"{' and '.join(named)}: expected one of them")
+    if not named:
         fail('no goal given: pdoik solve ROBOT --target "x y z qx qy qz qw", --goals or --any')
     if any_ is not None and is_all:
         fail("--all: expected with --target or --goals; of --any it would be those of each")
@@ -114,7 +114,7 @@ def robot_for(
     file: Path | None,
     tip_link: str | None,
 ) -> pdoik.Robot:
-    """With the tips that goals of a file are of; `read` takes their names, None for what it has."""
+    """Robot with the tips of a file's goals; `read` takes their names, None for what it has."""
     loaded = read(None if tip_link is None else [tip_link])
     if goals is not None and (named := tips_of(goals, loaded, file, tip_link)):
         loaded = read(named)
@@ -122,7 +122,7 @@ def robot_for(
 
 
 def tool_of(tool: str | None, robot: pdoik.Robot, of_several: str) -> FloatArray:
-    """On the tip, (4, 4); leaves with status 2 where there are several, and says what says it."""
+    """Tool on the tip, (4, 4); leaves with status 2 where there are several tips."""
     if tool is None:
         return np.eye(4)
     if len(robot.tip_links) > 1:
@@ -177,10 +177,10 @@ def question_of(
     )
 
 
-def locks_of(told: Sequence[str] | None, robot: pdoik.Robot) -> dict[str, float]:
-    """What --lock tells; leaves with status 2 where it is none."""
+def locks_of(given: Sequence[str] | None, robot: pdoik.Robot) -> dict[str, float]:
+    """Positions that --lock gives, by joint; leaves with status 2 where it is none."""
     found: dict[str, float] = {}
-    for text in told or ():
+    for text in given or ():
         joint, _, word = text.partition("=")
         if joint not in robot.joint_names:
             joints = ", ".join(robot.joint_names)
@@ -196,6 +196,6 @@ def locks_of(told: Sequence[str] | None, robot: pdoik.Robot) -> dict[str, float]
 
 
 def warn_of_turns(option: str, robot: pdoik.Robot, positions: dict[str, float]) -> None:
-    """Of joints that turn, see `warn_of_degrees`."""
+    """Warn of degrees for joints that turn, see `warn_of_degrees`."""
     kinds = dict(zip(robot.joint_names, robot.joint_types, strict=True))
     warn_of_degrees(option, [q for joint, q in positions.items() if kinds[joint] != "prismatic"])

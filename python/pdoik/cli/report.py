@@ -126,7 +126,7 @@ def _range(values: set[float], text: Callable[[float], str]) -> str:
 
 
 def _which(solution: Solution) -> str:
-    """Of several poses the one that is met, or that it came nearest to."""
+    """Name, of several poses, the one that is met, or that it came nearest to."""
     question, k = solution.question, solution.result.goal_index
     cost = "" if question.costs is None else f", at a cost of {question.costs[k]:g}"
     return f"pose {k + 1} of {len(question.goals)} in {escape(str(question.file))}{cost}"

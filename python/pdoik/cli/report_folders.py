@@ -15,7 +15,7 @@ _FILES = (DIAGNOSIS, "model.json", "motions.npz", "report.html")
 def report_folder(given: str) -> Path | None:
     """The folder of a diagnosis that an argument means, itself or by a file in it; None for others.
 
-    A study means the folder `report` here or beside it, if that is of this study.
+    A study means the folder `report` here or next to it, if that is of this study.
 
     Raises:
         LoadError: It is a folder without diagnosis, or a study without report.

@@ -105,8 +105,8 @@ def _print(file: Path, replay: pdoik.Replay) -> None:
         out.print("[red]not the same answer[/]")
         _lines([*replay.differences, *(f"perhaps {reason}" for reason in replay.reasons)])
     if replay.found is not None:
-        told, now = replay.found, replay.found_again or replay.found
-        out.print(f"{_whether_all(told)}; now {_whether_all(now)}", highlight=False)
+        then, now = replay.found, replay.found_again or replay.found
+        out.print(f"{_whether_all(then)}; now {_whether_all(now)}", highlight=False)
     if replay.faults:
         out.print("[red]what it says does not hold[/]")
         _lines(replay.faults)
@@ -130,7 +130,7 @@ def _lines(lines: list[str]) -> None:
 
 
 def _one(replay: pdoik.Replay) -> Table:
-    """Its figures: as the report says, as they come now, as the other code has them."""
+    """Figures of one replay: as the report says, as they come now, as the other code has them."""
     table = Table("", "report", "now", "judged", box=box.SIMPLE_HEAD, pad_edge=False)
     was, now, judged = replay.answers[0], replay.again[0], asdict(replay.judged[0])
     table.add_row("status", was["status"], now["status"], "")

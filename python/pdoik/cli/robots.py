@@ -63,7 +63,7 @@ def load_robot(
                 name, base_link, tip_link or None, arguments=values, packages=places
             )
     for each in said:
-        if str(each.message) not in robot.warnings:  # those are for pdoik info to tell
+        if str(each.message) not in robot.warnings:  # those are for pdoik info to report
             warn(str(each.message))
     if occupancy is not None:
         with misuse_fails(f"--occupancy {occupancy}"):
@@ -80,7 +80,7 @@ def described(
     arguments: Sequence[str] | None,
     meshes: str | None = None,
 ) -> str:
-    """Its URDF; the meshes of an MJCF are put into a folder, or left out."""
+    """A robot's URDF; the meshes of an MJCF are put into a folder, or left out."""
     return pdoik.urdf_text(
         robot,
         arguments=xacro_arguments(arguments),
@@ -89,18 +89,18 @@ def described(
     )
 
 
-def package_places(told: Sequence[str] | None) -> Places:
-    """What --package-dir tells."""
-    pairs = [text.partition("=") for text in told or () if "=" in text]
-    folders = [text for text in told or () if "=" not in text]
+def package_places(given: Sequence[str] | None) -> Places:
+    """Places that --package-dir gives."""
+    pairs = [text.partition("=") for text in given or () if "=" in text]
+    folders = [text for text in given or () if "=" not in text]
     with misuse_fails("--package-dir"):
         named = Places.of({name: folder for name, _, folder in pairs})
         return named.before(Places.of(folders))
 
 
-def xacro_arguments(told: Sequence[str] | None) -> dict[str, str]:
-    """What --xacro-arg tells."""
-    pairs = [(text, *text.partition(":=")) for text in told or ()]
+def xacro_arguments(given: Sequence[str] | None) -> dict[str, str]:
+    """Arguments that --xacro-arg gives."""
+    pairs = [(text, *text.partition(":=")) for text in given or ()]
     for text, name, sign, _ in pairs:
         if not (name and sign):
             fail(f"--xacro-arg: expected NAME:=VALUE, got {text!r}")

@@ -1,4 +1,4 @@
-"""What pdoik solve found, beside what it was asked."""
+"""What pdoik solve found, together with what it was asked."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .question import Question
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solution:
-    """A result beside what it is a result of."""
+    """A result together with what it is a result of."""
 
     robot: pdoik.Robot
     options: pdoik.Options
@@ -27,7 +27,7 @@ class Solution:
 
     @property
     def answer(self) -> pdoik.Result:
-        """As the solver gave it."""
+        """Result as the solver gave it."""
         return self.result
 
     @property
@@ -51,7 +51,7 @@ class AllSolutions:
 
     @property
     def nearest(self) -> pdoik.Result | None:
-        """To the start, or to the middle of the ranges where there was none."""
+        """Result nearest to the start, or to the middle of the ranges where there was none."""
         return self.answer[0] if len(self.answer) else None
 
     @property
@@ -60,7 +60,7 @@ class AllSolutions:
 
 
 def distance_to(solution: AllSolutions, result: pdoik.Result) -> float:
-    """Of a result from the start, or from the middle of the ranges [rad] (and [m])."""
+    """Distance of a result from the start, or from the middle of the ranges [rad] (and [m])."""
     q0 = solution.question.q0
     start = solution.robot.mid_configuration() if q0 is None else q0
     return float(np.linalg.norm(result.q - start))

@@ -205,8 +205,8 @@ def solve(
         solution = _solve(loaded, options, question, obstacles)
 
     if json:
-        told = facts(solution) if isinstance(solution, Solution) else all_facts(solution)
-        out.print(json_text(told), highlight=False, markup=False)
+        content = facts(solution) if isinstance(solution, Solution) else all_facts(solution)
+        out.print(json_text(content), highlight=False, markup=False)
     elif isinstance(solution, Solution):
         print_report(solution)
     else:

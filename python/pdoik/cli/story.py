@@ -1,4 +1,4 @@
-"""What long commands tell of their work while it goes on."""
+"""What long commands report of their work while it goes on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Tell = Callable[[str, str, float], None]
 
 
 def share_bar() -> Progress:
-    """Of the share of work that is done; only on a terminal, and it vanishes at the end."""
+    """Bar of the share of work that is done; only on a terminal, and it vanishes at the end."""
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(),

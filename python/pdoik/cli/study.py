@@ -1,4 +1,4 @@
-"""pdoik study: a first study.yaml, and what a study can tell before anything is looked for."""
+"""pdoik study: a first study.yaml, and what a study can show before anything is looked for."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ app = typer.Typer(name="study", no_args_is_help=True, rich_markup_mode="rich")
 
 @app.callback()
 def study() -> None:
-    """A first study.yaml from a robot and logs, and what a study can tell."""
+    """A first study.yaml from a robot and logs, and what a study can show."""
 
 
 @app.command("new")
@@ -43,7 +43,7 @@ def new(
         Path | None,
         typer.Option(
             help="A YAML file whose 'joints:', 'columns:', 'units:' and 'ignore:', as in a study,"
-            " tell how the logs are read, where their names do not."
+            " say how the logs are read, where their names do not."
         ),
     ] = None,
     entry: Annotated[
@@ -59,7 +59,7 @@ def new(
 ) -> None:
     """Write a commented study.yaml of a robot and logs, and ask about what cannot be guessed.
 
-    The URDF of a robot that is named, or of a xacro file, is written beside it.
+    The URDF of a robot that is named, or of a xacro file, is written next to it.
 
     [bold]Example[/]: pdoik study new robot.urdf monday.mcap tuesday.mcap
     """
@@ -139,7 +139,7 @@ def check(
 
     A size is the smallest that `pdoik diagnose` would find with a probability of about 0.9, on such
     recordings and by its own thresholds: what the effect adds along the recorded motion is held
-    against the noise that is left beside friction, offsets, rotors and bodies. It is assumed that
+    against the noise that is left besides friction, offsets, rotors and bodies. It is assumed that
     the noise stays as it is, and that nothing else of the kind is wrong at the place.
 
     Status 1 where nothing can be found at all.

@@ -104,7 +104,7 @@ class _Letters:
         self._reasons: dict[str, str] = {}
 
     def of(self, reason: str) -> str:
-        """Its letter."""
+        """Letter of a reason."""
         count = len(self._reasons)
         name = ascii_lowercase[count % 26] * (1 + count // 26)
         return self._reasons.setdefault(reason, name)

@@ -157,7 +157,7 @@ def view(
     scenes and logs can be uploaded there, and maps of what the robot reaches
     computed.
 
-    The folder that pdoik diagnose wrote shows the robot as recorded beside as
+    The folder that pdoik diagnose wrote shows the robot as recorded and as
     simulated, before and after the findings.
 
     It listens on this machine alone. Ctrl-C ends it.
@@ -247,7 +247,7 @@ def view(
 
 
 def _stations(path: Path, free: str | None = None, spacing: float | None = None) -> Any:
-    """Of a path's file, as `pdoik.Solver.solve_path` takes them."""
+    """Stations of a path's file, as `pdoik.Solver.solve_path` takes them."""
     from .path_file import read_path_file
 
     return read_path_file(path, free).stations(free, spacing)

@@ -63,7 +63,7 @@ def watch(
     """Watch a machine: what has changed since its diagnosis, at which joint, since when, and why.
 
     The torque that the model leaves unexplained is held against its floor by CUSUM charts. A change
-    is told twice: at once when it is noticed, and when its cause is learnt.
+    is reported twice: at once when it is noticed, and when its cause is learnt.
 
     Exit status with --once: 0 no alarm, 3 an alarm, 2 misuse.
 
@@ -117,20 +117,20 @@ def _follow(
     once: bool,
     file: TextIO | None,
 ) -> None:
-    """Until there is no more, or Ctrl-C."""
+    """Watch until there is no more, or Ctrl-C."""
     with interrupts.noted() as stop:
         pieces = _pieces(logs, joints, reading, once, lambda: not stop.empty())
         for name, columns in pieces:
-            told = watching.end() if columns is None else watching.feed(columns, source=name)
-            _tell(told, file)
+            alarms = watching.end() if columns is None else watching.feed(columns, source=name)
+            _report(alarms, file)
             if not stop.empty():
                 return
     if once or str(logs[0]) == "-":
-        _tell(watching.end(), file)
+        _report(watching.end(), file)
 
 
-def _tell(told: Iterable[Alarm], file: TextIO | None) -> None:
-    for alarm in told:
+def _report(alarms: Iterable[Alarm], file: TextIO | None) -> None:
+    for alarm in alarms:
         out.print(escape(str(alarm)), highlight=False)
         if file is not None:
             file.write(alarm.to_json() + "\n")

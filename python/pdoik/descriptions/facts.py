@@ -40,7 +40,7 @@ class RobotFacts:
     notes: tuple[str, ...] = field(default=())
 
     def mass_moved_by(self, joint: str) -> float:
-        """Of the joint's link and all after it [kg]."""
+        """Mass of the joint's link and all after it [kg]."""
         moved = self.joints[joint].link
         return sum(mass for link, mass in self.masses.items() if moved in self.chain(link))
 
@@ -82,7 +82,7 @@ class RobotFacts:
 
 
 def facts_of_urdf(path: Path, root: Element) -> RobotFacts:
-    """Of a URDF's tree.
+    """Facts of a URDF's tree.
 
     Raises:
         LoadError: A number or an end of a joint is missing or wrong.
@@ -128,7 +128,7 @@ def _mass(link: Element) -> float:
 
 
 def facts_of_mjcf(path: Path, model: Any) -> RobotFacts:
-    """Of MuJoCo's model of an MJCF."""
+    """Facts of MuJoCo's model of an MJCF."""
     import mujoco
 
     bodies = [model.body(k).name or f"body {k}" for k in range(model.nbody)]

@@ -107,7 +107,7 @@ def _of_robot_descriptions(name: str) -> Description | None:
 
 
 def _menagerie() -> dict[str, str]:
-    """Its robots by name, and by that of their model where one is called so: ur5e."""
+    """Robots of a package by name, and by that of their model where one is called so: ur5e."""
     try:
         robots = import_module("mujoco_menagerie").robots()
     except ModuleNotFoundError:

@@ -99,7 +99,7 @@ def load_given(
 
 
 def _hulls(urdf: str) -> Occupancy:
-    """Of the geometry, link by link from the cache if it was fitted before."""
+    """Hulls of the geometry, link by link from the cache if it was fitted before."""
     from ..occupancy_fit import fit_occupancy
 
     return Occupancy.load(fit_occupancy(urdf).to_yaml())

@@ -58,7 +58,7 @@ def model_of_mjcf(source: Path | str) -> Any:
 
 
 class _Writer:
-    """Of one model."""
+    """Writer of one model's URDF."""
 
     def __init__(self, model: Any, path: Path, meshes: Path | None) -> None:
         import mujoco

@@ -108,7 +108,7 @@ class RobotDescription:
     Attributes:
         path: Its file; None for text.
         text: What is in it.
-        kind: As far as one look tells.
+        kind: As far as one look shows.
         arguments: Of a xacro file.
         packages: Where packages are, the folders around the file among them.
     """
@@ -127,7 +127,7 @@ class RobotDescription:
         arguments: Mapping[str, str] | None = None,
         packages: Packages = (),
     ) -> RobotDescription:
-        """Of a file or a name.
+        """Description of a file or a name.
 
         Raises:
             LoadError: There is none, or it cannot be read.
@@ -150,7 +150,7 @@ class RobotDescription:
         arguments: Mapping[str, str] | None = None,
         packages: Packages = (),
     ) -> RobotDescription:
-        """Of a file.
+        """Description of a file.
 
         Raises:
             LoadError: It cannot be read, or takes no arguments.
@@ -179,7 +179,7 @@ class RobotDescription:
         arguments: Mapping[str, str] | None = None,
         packages: Packages = (),
     ) -> RobotDescription:
-        """Of a shipped robot or an installed description.
+        """Description of a shipped robot or an installed description.
 
         Raises:
             LoadError: There is none of that name, or its package cannot get it.
@@ -198,7 +198,7 @@ class RobotDescription:
 
     @classmethod
     def of_text(cls, xml: str, *, packages: Packages = ()) -> RobotDescription:
-        """Of the text of a URDF or an MJCF."""
+        """Description of the text of a URDF or an MJCF."""
         return cls(path=None, text=xml, kind=_kind(None, xml), packages=Places.of(packages))
 
     @property
@@ -212,7 +212,7 @@ class RobotDescription:
         return f"{self.place.name.partition('.')[0]}.urdf"
 
     def urdf(self, meshes: Path | None = None) -> str:
-        """Its URDF; meshes of an MJCF go into the folder, or are left out without one.
+        """The robot's URDF; meshes of an MJCF go into the folder, or are left out without one.
 
         Raises:
             LoadError: It cannot be read.
@@ -229,7 +229,7 @@ class RobotDescription:
 
     @cached_property
     def tree(self) -> Element:
-        """Its XML: `<robot>` of a URDF or of what a xacro file stands for, `<mujoco>` of an MJCF.
+        """XML tree: `<robot>` of a URDF or of what a xacro file stands for, `<mujoco>` of an MJCF.
 
         Raises:
             LoadError: It is no XML, or neither of the two.

@@ -11,7 +11,7 @@ _EDGES = ((0, 1), (1, 2), (2, 0))
 
 
 class Mesh:
-    """Triangles, (T, 3, 3) [m], with what tells that they are far away."""
+    """Triangles, (T, 3, 3) [m], with what shows that they are far away."""
 
     def __init__(self, triangles: FloatArray) -> None:
         self.triangles = triangles

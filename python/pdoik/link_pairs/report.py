@@ -51,12 +51,12 @@ class PairReport:
 
     @property
     def ignored(self) -> list[Pair]:
-        """For Robot.ignored_pairs, sorted."""
+        """Pairs for Robot.ignored_pairs, sorted."""
         return sorted(pair.links for pair in self.pairs if pair.verdict != "Kept")
 
     @property
     def flagged_share(self) -> float:
-        """Of free configurations, those that the hulls refuse; of all without meshes."""
+        """Share of free configurations that the hulls refuse; of all without meshes."""
         counted = self.samples if self.free is None else self.free
         return self.flagged / counted if counted else 0.0
 

@@ -32,10 +32,10 @@ class Atoms:
 
     @classmethod
     def of(cls, body: FloatArray, slack: float) -> Atoms:
-        """Of a connected surface (T, 3, 3).
+        """Atoms of a connected surface (T, 3, 3).
 
         Two go together where neither stands over the other's plane by more than the slack, and the
-        way between them is inside, as far as voxels tell.
+        way between them is inside, as far as voxels show.
         """
         solid = Solid.of(body)
         longest = max(_LONGEST, float(np.sqrt(4 * areas(body).sum() / _FACES)))
@@ -120,7 +120,7 @@ def _normals(faces: FloatArray) -> FloatArray:
 
 
 def _groups(faces: FloatArray, normals: FloatArray, size: float, slack: float) -> NDArray[np.int_]:
-    """Of connected faces in one cell of a grid whose normals are nearly alike, (F,).
+    """Groups of connected faces in one cell of a grid whose normals are nearly alike, (F,).
 
     Where a part of a group stands over the plane of another, each face is one by itself.
     """
@@ -186,6 +186,6 @@ def _way_inside(centers: FloatArray, solid: Solid, slack: float) -> NDArray[np.b
     step = max(_CHUNK // len(centers), 1)
     for n in range(0, len(centers), step):
         for share in _SHARES:
-            way = np.rint((1 - share) * at[n : n + step, None] + share * at).astype(np.int32)
-            found[n : n + step] &= clear[way[..., 0], way[..., 1], way[..., 2]]
+            cells = np.rint((1 - share) * at[n : n + step, None] + share * at).astype(np.int32)
+            found[n : n + step] &= clear[cells[..., 0], cells[..., 1], cells[..., 2]]
     return found & found.T

@@ -26,7 +26,7 @@ class Beyond:
         self._surface = _Surface(triangles)
 
     def __call__(self, places: FloatArray, more_than: float = 0.0) -> FloatArray:
-        """Of places (N, 3), 0 inside and where it is not more than asked for, (N,) [m]."""
+        """Distances of places (N, 3), 0 inside and where not more than asked for, (N,) [m]."""
         found = self._unless_deep(places)
         far = np.flatnonzero(found > more_than)
         inside = self._inside(places[far])
@@ -46,7 +46,7 @@ class Beyond:
         return 0.0
 
     def _unless_deep(self, places: FloatArray) -> FloatArray:
-        """Distances from the surface, 0 where cells tell that it is inside, (N,) [m]."""
+        """Distances from the surface, 0 where cells show that it is inside, (N,) [m]."""
         found = np.zeros(len(places))
         rest = np.arange(len(places))
         for part in self._enclosed:
@@ -72,7 +72,7 @@ class _Surface:
         self._tree.init(self.corners, self.faces)
 
     def distance(self, places: FloatArray) -> FloatArray:
-        """Of places (N, 3), (N,) [m]."""
+        """Distances of places (N, 3), (N,) [m]."""
         if not len(places):
             return np.zeros(0)
         return np.asarray(np.sqrt(self._tree.squared_distance(self.corners, self.faces, places)[0]))
@@ -100,7 +100,7 @@ class _Enclosed:
         self._side = np.full(int(np.prod(self._shape)), _UNKNOWN, dtype=np.int8)
 
     def sides(self, places: FloatArray) -> NDArray[np.int8]:
-        """Where places (N, 3) are as their cells tell, (N,)."""
+        """Where places (N, 3) are by their cells, (N,)."""
         found = np.full(len(places), _OUTSIDE, dtype=np.int8)
         near = np.flatnonzero(((places >= self._low) & (places <= self._high)).all(axis=1))
         cells = ((places[near] - self._low) / self._cell).astype(np.int64)

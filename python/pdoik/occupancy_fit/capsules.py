@@ -25,7 +25,7 @@ _FIRST_STEPS, _NEXT_STEPS, _DROP_STEPS = 240, 120, 120
 _GROWTH = 0.15  # share of capsules that are split in a round
 _SPARE = 1.015  # of the aims, for what another look than ours may find
 _MOST = 120  # capsules of a link, where nothing else is asked
-_SWELLING = 0.15  # by a proof, of the aims, until one has told
+_SWELLING = 0.15  # by a proof, of the aims, until one has shown it
 _CLOSE = 0.95  # of the aims, from where no more is left out after a proof
 _HASTE = 1.0  # share of the capsules that is left out at once, over the aims' share to spare
 _PATIENCE = 3  # capsules whose loss is tried in vain before a leap
@@ -106,8 +106,8 @@ def fit_link(
 def warn_of_overhang(link: str, count: int, out: Overhang) -> None:
     """Warn if a link's capsules stick out farther than the aim."""
     if not out.meets(AIM):
-        told = f"{link}: {count} capsules stick out {out}, the aims are {AIM}"
-        warnings.warn(told, OverhangWarning, stacklevel=3)
+        message = f"{link}: {count} capsules stick out {out}, the aims are {AIM}"
+        warnings.warn(message, OverhangWarning, stacklevel=3)
 
 
 @np.errstate(invalid="ignore")  # products that write to fresh memory: some BLAS read it, times 0

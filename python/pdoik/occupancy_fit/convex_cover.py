@@ -34,7 +34,7 @@ def convex_cover(
 
     Args:
         body: A connected surface, (T, 3, 3) [m].
-        beyond: Tells how far places are outside the whole link.
+        beyond: Gives how far places are outside the whole link.
         tolerance: How far a piece may stand beyond it [m].
         most: None if it takes more pieces than this.
     """
@@ -115,7 +115,7 @@ def _spared(
 
 
 def _any(of_points: NDArray[np.bool_], first: NDArray[np.int_]) -> NDArray[np.bool_]:
-    """Of each atom, by those of its points, (A, D)."""
+    """Whether any of each atom's points is set, (A, D)."""
     bits = np.bitwise_or.reduceat(np.packbits(of_points, axis=1), first, axis=0)
     return np.unpackbits(bits, axis=1, count=of_points.shape[1]).view(np.bool_)
 

@@ -58,7 +58,7 @@ def fit_occupancy(
     as convex. What the hulls hold is the geometry itself: surface and enclosed solid, vertex by
     vertex, with 1e-6 m to spare; cut links may come out below their convex hull's volume.
 
-    Beside them, capsules hold the same geometry as it is, concave or not, and stick out far less
+    Besides them, capsules hold the same geometry as it is, concave or not, and stick out far less
     (`fit_capsules`): about ten per link, in some seconds each.
 
     Links of the same geometry, moved or mirrored, are fitted once. Each link's fit is kept by its
@@ -84,10 +84,10 @@ def fit_occupancy(
             where it is empty, or pdoik in `XDG_CACHE_HOME` or ~/.cache), False for none.
         processes: How many links are fitted at a time; hulls are the same. With more than 1 a
             script needs `if __name__ == "__main__":`, as for Python's multiprocessing.
-        progress: Told when a link is begun and when it is done.
+        progress: Called when a link is begun and when it is done.
 
     Warns:
-        OverhangWarning: A link's capsules stick out farther than they should; `report` tells too.
+        OverhangWarning: A link's capsules stick out farther than they should; `report` says so too.
 
     Raises:
         LoadError: The description or a mesh cannot be read, or it has no collision geometry.
@@ -162,7 +162,7 @@ def _within_budget(stages: list[list[_LinkFit]], max_hulls: int | None) -> list[
 
 
 def _joint_spheres(fits: list[_LinkFit]) -> list[Sphere]:
-    """At each joint the largest ball about its origin inside an adjacent spheroid: a - c."""
+    """Spheres, the largest about each joint's origin inside an adjacent spheroid: a - c."""
     radii: dict[str, float] = {}
     for fit in fits:
         shape = fit.cover.hulls[0].shape

@@ -90,7 +90,7 @@ def extreme_points(points: FloatArray) -> FloatArray:
 
 
 def principal_axes(points: FloatArray) -> FloatArray:
-    """Of points (N, 3), the longest first, as rows (3, 3).
+    """Principal axes of points (N, 3), the longest first, as rows (3, 3).
 
     Without BLAS, whose sums depend on how many threads share them: ties would be broken by chance.
     """

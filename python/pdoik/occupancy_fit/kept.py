@@ -22,18 +22,18 @@ from .pieces import Piece
 from .surface_fit import Cover, Hull, SurfaceFit, Wanted
 
 
-def folder_of_fits(told: str | os.PathLike[str] | bool | None) -> Path | None:
+def folder_of_fits(given: str | os.PathLike[str] | bool | None) -> Path | None:
     """Where fits are kept; None for nowhere.
 
     Args:
-        told: A folder; True for the user's (`cache_folder`), False for none, None for the user's
+        given: A folder; True for the user's (`cache_folder`), False for none, None for the user's
             unless the user has turned that off.
     """
-    if told is None:
-        told = not is_turned_off()
-    if isinstance(told, bool):
-        return cache_folder() / "hulls" if told else None
-    return Path(told).expanduser()
+    if given is None:
+        given = not is_turned_off()
+    if isinstance(given, bool):
+        return cache_folder() / "hulls" if given else None
+    return Path(given).expanduser()
 
 
 def file_of(folder: Path, triangles: FloatArray, wanted: Wanted) -> Path:

@@ -20,7 +20,7 @@ _STRICT = (0.8, 0.6, 0.4)  # of the tolerance, for pieces that are measured agai
 _SPACING = 2e-3  # of the points that a piece is measured at [m]
 _FEWEST, _MOST = 1000, 20_000  # of them
 _SKIN = 1.1e-5
-"""By which a piece is thicker than its part [m]: a success may miss its clearance by a tenth of it,
+"""How much a piece is thicker than its part [m]: a success may miss its clearance by a tenth of it,
 and rounding takes less than another."""
 _DIGITS = 6  # of its vertices [um]
 _THIN = 5e-3  # from its middle to its nearest face, a thin piece [m]
@@ -140,7 +140,7 @@ def _hull(points: FloatArray) -> Any:
 
 
 def _needed(pieces: list[Piece]) -> list[Piece]:
-    """Without those that lie in another one, as hidden parts do."""
+    """Pieces without those that lie in another one, as hidden parts do."""
     kept: list[Piece] = []
     planes: list[FloatArray] = []
     for piece in sorted(pieces, key=lambda one: -ConvexHull(one.vertices).volume):

@@ -9,7 +9,7 @@ from .overhang import Overhang
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HullReport:
-    """One hull beside what it holds."""
+    """One hull together with what it holds."""
 
     link: str
     kind: str  # "sphere" or "spheroid"

@@ -20,7 +20,7 @@ class Halves:
     """
 
     def __init__(self, triangles: FloatArray) -> None:
-        """Of triangles (T, 3, 3)."""
+        """The halves of triangles (T, 3, 3) [m]."""
         self._vertices, index = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
         faces = index.reshape(-1, 3)
         edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]))

@@ -19,8 +19,8 @@ _MOST_VOXELS = 300_000
 _FINEST_VOXEL = 3e-3  # edge [m]
 _FINEST_PATCH = 1e-4  # edge [m]
 _ASIDE = np.array([0.3819, 0.2361, 0.1459])
-"""Of a voxel's edge, by which the grid is aside: faces of boxes at round figures would lie between
-two layers of voxels, and rounding would decide."""
+"""Shares of a voxel's edge by which the grid is aside: faces of boxes at round figures would lie
+between two layers of voxels, and rounding would decide."""
 _REACH = 0.03  # how far beyond the surface the grid extends [m]
 
 

@@ -14,7 +14,7 @@ from .split import cover_stages, union_volume
 
 
 class Wanted(NamedTuple):
-    """What to fit, and how; what `fit_occupancy` was told."""
+    """What to fit, and how; what `fit_occupancy` was given."""
 
     max_volume_factor: float = 2.0
     max_parts: int = 4
@@ -54,7 +54,7 @@ class SurfaceFit(NamedTuple):
 
 
 def cover_of(parts: list[tuple[FloatArray, Shape]]) -> Cover:
-    """Of parts of the surface, (T, 3, 3) each, and the hulls that hold them."""
+    """Cover of parts of the surface, (T, 3, 3) each, and the hulls that hold them."""
     return Cover(
         tuple(Hull(shape, convex_volume(part.reshape(-1, 3))) for part, shape in parts),
         union_volume([shape for _, shape in parts]),

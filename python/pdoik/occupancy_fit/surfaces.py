@@ -58,7 +58,7 @@ def fit_surfaces(
         surfaces: Of each link, with what is wanted.
         folder: Where fits are kept, each as soon as it is done; None for nowhere.
         processes: How many links are fitted at a time; 1 for in this process.
-        tell: Is told of each link.
+        tell: Called for each link.
     """
     like = _twins(surfaces)
     jobs = [

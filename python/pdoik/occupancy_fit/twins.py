@@ -64,7 +64,7 @@ def motion_between(first: FloatArray, second: FloatArray) -> Motion | None:
 
 
 def moved_fit(fit: SurfaceFit, motion: Motion) -> SurfaceFit:
-    """Of the surface that the motion gives: it holds that as surely as the fit holds its own.
+    """Fit of the surface that the motion gives: it holds that as surely as the fit holds its own.
 
     What it holds moves by the slack at most, hulls by rounding too: radii grow by both.
     """

@@ -32,7 +32,7 @@ class Contents:
         T_base_tool: Of what is to meet a target, (4, 4).
         bones: The way to the tip, (B, 3) [m].
         hulls: Of the robot, where they are.
-        held: What links carry, where it is.
+        held: What is attached to links, where it is.
         points: Of obstacles and their radii, (K, 4) [m].
         surface: What the points stand for, (N, 3) [m].
         scene: The shapes, the points and what may touch, for a solver.
@@ -56,7 +56,7 @@ class Contents:
         return self.scene.shapes
 
     def gap(self) -> FloatArray:
-        """Of each point to the nearest hull, (K,) [m]."""
+        """Gap of each point to the nearest hull, (K,) [m]."""
         return gaps(self.hulls, self.points[:, :3]) - self.points[:, 3]
 
     def cube(self) -> Cube:
@@ -153,7 +153,7 @@ def _surface(points: npt.ArrayLike | None) -> FloatArray:
 
 
 def _corners(shape: pdoik.Shape) -> FloatArray:
-    """Of the box along the base's axes around a shape, (8, 3) [m]."""
+    """Corners of the box along the base's axes around a shape, (8, 3) [m]."""
     mesh, T = shape_mesh(shape)
     vertices = np.asarray(mesh.vertices) @ T[:3, :3].T + T[:3, 3]
     low, high = vertices.min(axis=0), vertices.max(axis=0)

@@ -32,7 +32,7 @@ class Cube:
 
 
 def shape_triangles(shape: pdoik.Shape, cube: Cube) -> FloatArray:
-    """Its surface inside of a cube, (T, 3, 3) in the base frame [m]."""
+    """Surface of a shape inside a cube, (T, 3, 3) in the base frame [m]."""
     plane_edge = 4.0 * (float(np.linalg.norm(cube.center)) + cube.reach)
     mesh, T = shape_mesh(shape, plane_edge)
     vertices = np.asarray(mesh.vertices) @ T[:3, :3].T + T[:3, 3]

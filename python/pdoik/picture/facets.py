@@ -27,7 +27,7 @@ class FacetSoup:
 
     @property
     def colors(self) -> FloatArray:
-        """Without light, (F, 3)."""
+        """Colours without light, (F, 3)."""
         return np.concatenate([*self._colors, np.empty((0, 3))])
 
     def lit(self, eye: FloatArray, ambient: float = 0.45) -> FloatArray:

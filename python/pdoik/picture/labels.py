@@ -1,4 +1,4 @@
-"""Words and lines over a picture, beside one another."""
+"""Words and lines over a picture, next to one another."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ class Labels:
         self._taken: list[Bbox] = []
 
     def line(self, pixels: FloatArray, color: str, width: float, style: str = "-") -> None:
-        """Through some pixels, (N, 2)."""
+        """Draw a line through pixels, (N, 2)."""
         self._add_line(pixels, color=color, lw=width, ls=style)
 
     def dots(self, pixels: FloatArray, color: str, size: float) -> None:
-        """At some pixels, (N, 2)."""
+        """Draw dots at pixels, (N, 2)."""
         self._add_line(pixels, color=color, ls="", marker="o", ms=size, mew=0)
 
     def text(self, pixel: FloatArray, words: str, color: str, size: float) -> None:

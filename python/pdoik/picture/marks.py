@@ -34,7 +34,7 @@ class Mark:
         text: What they are, and how far apart.
         fails: Whether they are too near.
         hulls: Those of the robot that are meant, in the order of `placed_hulls`.
-        names: The shapes, held or not, that are meant.
+        names: The shapes, attached or not, that are meant.
     """
 
     line: FloatArray | None
@@ -110,7 +110,7 @@ def _to_shape(
 
 
 def _own_name(contents: Contents, found: Binding) -> str:
-    """Of the robot's part that a constraint is about."""
+    """Name of the robot's part that a constraint is about."""
     return found.held[0] if found.held else hull_names(contents.robot)[found.hulls[0]]
 
 

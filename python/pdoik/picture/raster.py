@@ -11,7 +11,7 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 Project = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Of points (..., 3): pixels from the upper left corner, (..., 2), and distance, (...,)."""
+"""Projects points (..., 3) to pixels from the upper left, (..., 2), and distances, (...,)."""
 
 _AT_ONCE = 1_000_000  # pixels
 
@@ -110,7 +110,7 @@ class _Plane:
 
     @classmethod
     def through(cls, corners: FloatArray, values: FloatArray) -> _Plane:
-        """Of its values at the corners, (T, 3); flat over what is seen from its edge."""
+        """Plane of its values at the corners, (T, 3); flat over what is seen from its edge."""
         (ax, ay), (bx, by) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
         twice = ax * by - ay * bx
         twice = np.where(np.abs(twice) < 1e-9, np.inf, twice)
@@ -119,7 +119,7 @@ class _Plane:
         return cls(values[:, 0] - (slope * corners[:, 0]).sum(axis=1), slope)
 
     def at(self, triangle: IntArray, x: IntArray, y: IntArray) -> FloatArray:
-        """In the middle of pixels, (N,)."""
+        """Value in the middle of pixels, (N,)."""
         slope = self.slope[triangle]
         return self.value[triangle] + slope[:, 0] * (x + 0.5) + slope[:, 1] * (y + 0.5)
 
@@ -135,7 +135,7 @@ class _Rows:
 
     @classmethod
     def of(cls, corners: FloatArray, width: int, height: int) -> _Rows:
-        """Of triangles by their corners, (T, 3, 2): a pixel's middle decides, of two the upper."""
+        """Rows of triangles by corners, (T, 3, 2): a pixel's middle decides, of two the upper."""
         low = np.clip(np.ceil(corners[..., 1].min(axis=1) - 0.5), 0, height).astype(np.int64)
         high = np.clip(np.ceil(corners[..., 1].max(axis=1) - 0.5), 0, height).astype(np.int64)
         count = high - low

@@ -1,4 +1,4 @@
-"""From where to look."""
+"""The direction to look from."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
-_HIDES = 0.06  # of the arm's extent: how near beside the arm, as seen, a point hides it
+_HIDES = 0.06  # of the arm's extent: how near to the arm, as seen, a point hides it
 
 
 def best_azimuth(bones: FloatArray, cloud: FloatArray, elevation: float) -> float:
@@ -33,8 +33,8 @@ def hidden(bones: FloatArray, cloud: FloatArray, azimuth: float, elevation: floa
     arm = _along(bones)
     toward, right, up = camera(azimuth, elevation)
     offset = cloud[:, None] - arm[None]  # (N, A, 3)
-    beside = np.hypot(offset @ right, offset @ up) < _HIDES * _extent(bones)
-    return float((beside & (offset @ toward > 0)).any(axis=0).mean())
+    near = np.hypot(offset @ right, offset @ up) < _HIDES * _extent(bones)
+    return float((near & (offset @ toward > 0)).any(axis=0).mean())
 
 
 def camera(azimuth: float, elevation: float) -> tuple[FloatArray, FloatArray, FloatArray]:

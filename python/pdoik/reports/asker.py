@@ -29,7 +29,7 @@ class Asker:
 
     @classmethod
     def of(cls, solver: Solver | Tracker, kind: str) -> Asker:
-        """With a tracker's solver and settings."""
+        """Asker with a tracker's solver and settings."""
         if isinstance(solver, Solver):
             return cls(solver, kind)
         asker = cls(solver.solver, kind, solver.settings)
@@ -45,16 +45,16 @@ class Asker:
         obstacles = read_obstacles(question["obstacles"]).given
         if self.kind == "steps":
             return self._steps(question, obstacles)
-        told = read_keywords(question, self.solver.robot.dof, self.kind)
+        keywords = read_keywords(question, self.solver.robot.dof, self.kind)
         goals = read_goals(question["target"], batch=self.kind in ("batch", "any"))
         match self.kind:
             case "batch":
-                return list(self.solver.solve_batch(goals, obstacles=obstacles, **told))
+                return list(self.solver.solve_batch(goals, obstacles=obstacles, **keywords))
             case "any":
-                return [self.solver.solve_any(goals, obstacles=obstacles, **told)]
+                return [self.solver.solve_any(goals, obstacles=obstacles, **keywords)]
             case "all":
-                return self.solver.solve_all(goals, obstacles=obstacles, **told)
-        return [self.solver.solve(goals, obstacles=obstacles, **told)]
+                return self.solver.solve_all(goals, obstacles=obstacles, **keywords)
+        return [self.solver.solve(goals, obstacles=obstacles, **keywords)]
 
     def _steps(self, question: Entry, obstacles: Any) -> Any:
         assert self.tracker is not None

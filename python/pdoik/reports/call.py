@@ -1,4 +1,4 @@
-"""What one call says beside goals and obstacles: start, posture, locks, tool, priority."""
+"""What one call says besides goals and obstacles: start, posture, locks, tool, priority."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CALLS = {"solve": "solve", "solve_batch": "batch", "solve_any": "any", "solve_al
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Call:
-    """Of one answer; what is not told is the options'.
+    """Arguments of one answer's call; what is not given is the options'.
 
     Attributes:
         lock: Joints that keep a position, by name [rad] or [m].
@@ -60,29 +60,29 @@ def call_entry(
 
 
 def read_keywords(question: Entry, dof: int, kind: str) -> dict[str, Any]:
-    """Arguments of the method that was called; older reports tell fewer of them."""
-    told: dict[str, Any] = {}
+    """Arguments of the method that was called; older reports have fewer of them."""
+    keywords: dict[str, Any] = {}
     for name in ("q0", "posture", "max_step"):
         value = question[name]
         rows = isinstance(value.value, list) and any(isinstance(row, list) for row in value.value)
-        told[name] = value.array_or_none(*((None, dof) if rows and kind == "batch" else (dof,)))
-    told["lock"] = _read(question.get("lock"), _read_locks)
-    told["T_tip_tool"] = _read(question.get("T_tip_tool"), _read_tools)
-    told["priority"] = _read(question.get("priority"), lambda each: each.text())
+        keywords[name] = value.array_or_none(*((None, dof) if rows and kind == "batch" else (dof,)))
+    keywords["lock"] = _read(question.get("lock"), _read_locks)
+    keywords["T_tip_tool"] = _read(question.get("T_tip_tool"), _read_tools)
+    keywords["priority"] = _read(question.get("priority"), lambda each: each.text())
     if kind == "any":
-        told["costs"] = question.get("costs").array_or_none(None)
+        keywords["costs"] = question.get("costs").array_or_none(None)
     if kind == "all":
-        told["limit"] = _read(question.get("limit"), lambda each: each.whole())
-        told["distinct"] = _read(question.get("distinct"), lambda each: each.number())
-        del told["priority"]
-    return told
+        keywords["limit"] = _read(question.get("limit"), lambda each: each.whole())
+        keywords["distinct"] = _read(question.get("distinct"), lambda each: each.number())
+        del keywords["priority"]
+    return keywords
 
 
-def calls_of(told: Mapping[str, Any], count: int) -> list[Call]:
+def calls_of(keywords: Mapping[str, Any], count: int) -> list[Call]:
     """What was said of each of `count` answers."""
-    lock = told["lock"]
+    lock = keywords["lock"]
     locks = lock if isinstance(lock, list) else [lock or {}] * count
-    tool, priority = told["T_tip_tool"], told.get("priority")
+    tool, priority = keywords["T_tip_tool"], keywords.get("priority")
     return [Call(lock=each, T_tip_tool=tool, priority=priority) for each in locks]
 
 

@@ -43,7 +43,7 @@ def read_rule(entry: Entry) -> ContactRule:
 
 
 def read_allowed(entry: Entry) -> ContactRule:
-    """Of older reports: a link, a shape and perhaps a depth."""
+    """Rule of older reports: a link, a shape and perhaps a depth."""
     parts = entry.items()
     if len(parts) not in (2, 3):
         raise entry.expected("a link, a shape and perhaps a depth")
@@ -71,7 +71,7 @@ class Wanted:
         ]
 
     def of(self, one: Sequence[str], other: Sequence[str], default: float) -> float:
-        """Of two things, each by the names of the links it sits on [m].
+        """Least distance of two things, each by the names of the links it sits on [m].
 
         Of two links that a hull spans what lets come nearer counts, if anything does.
         """

@@ -36,7 +36,7 @@ class Body:
     normals: FloatArray | None = None
 
     def farthest(self, direction: FloatArray) -> FloatArray:
-        """Of its points without the radius, the one that lies farthest in a direction, (3,)."""
+        """Point, without the radius, that lies farthest in a direction, (3,) [m]."""
         found = self.corners[int((self.corners @ direction).argmax())]
         if self.axis is None:
             return np.asarray(found)
@@ -118,10 +118,10 @@ def apart(a: Body, b: Body, enough: float = np.inf) -> float:
         square = float(nearest @ nearest)
         if square == 0.0:
             break
-        way = nearest / np.sqrt(square)
-        looked.append(way)
+        direction = nearest / np.sqrt(square)
+        looked.append(direction)
         corner = a.farthest(-nearest) - b.farthest(nearest)
-        bound = float(corner @ way)
+        bound = float(corner @ direction)
         if bound - radii >= enough:
             return bound - radii
         if bound > 0.0 and square - bound * np.sqrt(square) <= _CLOSE * square:
@@ -136,8 +136,8 @@ def apart(a: Body, b: Body, enough: float = np.inf) -> float:
             looked += [*body.normals, *-body.normals]
     if not looked:
         return -radii
-    ways = np.array(looked)
-    return float((-a.reach(-ways) - b.reach(ways)).max()) - radii
+    directions = np.array(looked)
+    return float((-a.reach(-directions) - b.reach(directions)).max()) - radii
 
 
 def _nearest_to_origin(corners: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -17,14 +17,14 @@ _SHRINKS = 60  # of an interval to 0.62 of itself: to 3e-13
 
 
 def to_capsule(points: FloatArray, a: FloatArray, b: FloatArray, radius: float) -> FloatArray:
-    """Of points to what lies within a radius of a segment, (N,), negative inside [m]."""
+    """Distances of points to what lies within a radius of a segment, (N,), negative inside [m]."""
     along = b - a
     t = np.clip((points - a) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
     return np.asarray(np.linalg.norm(points - a - t[:, None] * along, axis=1) - radius)
 
 
 def to_spheroid(points: FloatArray, a: FloatArray, b: FloatArray, semi_major: float) -> FloatArray:
-    """Of points to where the mean distance to two foci is semi_major, (N,), negative inside [m].
+    """Distances of points to a spheroid by its foci and half axis, (N,), negative inside [m].
 
     In the plane of a point and the foci: the nearest point of the ellipse (A cos t, B sin t), found
     by bisection of the slope of the squared distance in the quadrant of the point.
@@ -53,7 +53,7 @@ def to_spheroid(points: FloatArray, a: FloatArray, b: FloatArray, semi_major: fl
 def to_hull(
     points: FloatArray, a: FloatArray, b: FloatArray, size: float, swept: bool, least: float
 ) -> float:
-    """Of points to a hull, if it is less than `least` [m].
+    """Least distance of points to a hull, if it is less than `least` [m].
 
     Only points that may be so near are looked at.
     """
@@ -96,7 +96,7 @@ def segment_to_shape(a: FloatArray, b: FloatArray, shape: Shape, enough: float =
 def _least_along(
     a: FloatArray, b: FloatArray, distance: Callable[[FloatArray], float], enough: float
 ) -> float:
-    """Of a segment's points, along which a distance is convex."""
+    """Least distance of a segment's points, along which a distance is convex."""
     bound = distance(0.5 * (a + b)) - 0.5 * float(np.linalg.norm(b - a))
     if bound >= enough:
         return bound
@@ -113,7 +113,7 @@ def _least_along(
 
 
 def _signed_distance(shape: Shape) -> Callable[[FloatArray], float]:
-    """Of a point in the shape's frame, (3,)."""
+    """Signed distance function of a point in the shape's frame, (3,) [m]."""
     size = list(shape.size)
     match shape.kind:
         case "sphere":
@@ -138,7 +138,7 @@ def _to_box(low: FloatArray, high: FloatArray) -> Callable[[FloatArray], float]:
 
 
 def _segment_to_mesh(a: FloatArray, b: FloatArray, corners: FloatArray) -> float:
-    """Of a segment to triangles (T, 3, 3): negative where it goes through one, or is inside."""
+    """Distance of a segment to triangles (T, 3, 3): negative where it crosses one, or is inside."""
     A, B, C = corners.transpose(1, 0, 2)
     normals = np.cross(B - A, C - A)
     lengths = np.linalg.norm(normals, axis=1)
@@ -171,7 +171,7 @@ def _segment_to_mesh(a: FloatArray, b: FloatArray, corners: FloatArray) -> float
 def _segments_apart(
     a: FloatArray, b: FloatArray, starts: FloatArray, ends: FloatArray
 ) -> FloatArray:
-    """From one segment to others (T, 3), (T,): inside of both, or from an end of one."""
+    """Distances from one segment to others (T, 3), (T,): inside of both, or from an end of one."""
     u, v, w = b - a, ends - starts, a - starts
     uu, uv, vv = float(u @ u), v @ u, np.einsum("ti,ti->t", v, v)
     uw, vw = w @ u, np.einsum("ti,ti->t", v, w)
@@ -230,7 +230,7 @@ def _planes(A: FloatArray, B: FloatArray, C: FloatArray) -> tuple[FloatArray, Fl
 
 
 def to_mesh(vertices: FloatArray, triangles: NDArray[np.int32]) -> Callable[[FloatArray], float]:
-    """Of a point to what a closed convex mesh holds [m]."""
+    """Signed distance function of a point to a closed convex mesh [m]."""
     A, B, C = (vertices[triangles[:, k]] for k in range(3))
     normals, offsets = _planes(A, B, C)
 

@@ -26,7 +26,7 @@ def is_list_of_goals(goals: Any) -> bool:
 
 
 def goals_entry(goals: Any) -> dict[str, Any]:
-    """Of whatever a solve, a batch or a step takes as its target."""
+    """Entry of whatever a solve, a batch or a step takes as its target."""
     if isinstance(goals, Mapping):
         return {"tips": {str(link): goals_entry(goal) for link, goal in goals.items()}}
     if is_list_of_goals(goals):
@@ -34,12 +34,12 @@ def goals_entry(goals: Any) -> dict[str, Any]:
     if not isinstance(goals, Goal):
         return {"T_base_tip": plain(np.asarray(goals, dtype=np.float64))}
     names = ("T_base_tip", *_WORDS, *_ARRAYS, *_NUMBERS, *_FLAGS)
-    told = {name: getattr(goals, name) for name in names}
-    return {name: plain(value) for name, value in told.items() if value is not None}
+    values = {name: getattr(goals, name) for name in names}
+    return {name: plain(value) for name, value in values.items() if value is not None}
 
 
 def alternatives_entry(goals: Any) -> dict[str, Any]:
-    """Of what `solve_any` takes: targets (N, 4, 4), or a list of what `solve` takes."""
+    """Entry of what `solve_any` takes: targets (N, 4, 4), or a list of what `solve` takes."""
     if isinstance(goals, list | tuple):
         return {"goals": [goals_entry(goal) for goal in goals]}
     return goals_entry(goals)
@@ -66,14 +66,14 @@ def read_goals(entry: Entry, *, batch: bool = False, nan: bool = False) -> Any:
     T = target.array(*((3,) if is_point else (4, 4)), nan=nan)
     if "weight" not in names:
         return T
-    told: dict[str, Any] = {name: entry[name].text() for name in _WORDS if name in names}
-    told |= {name: entry[name].array(*_ARRAYS[name]) for name in _ARRAYS if name in names}
-    told |= {name: entry[name].number() for name in _NUMBERS if name in names}
-    told |= {name: entry[name].boolean() for name in _FLAGS if name in names}
+    keywords: dict[str, Any] = {name: entry[name].text() for name in _WORDS if name in names}
+    keywords |= {name: entry[name].array(*_ARRAYS[name]) for name in _ARRAYS if name in names}
+    keywords |= {name: entry[name].number() for name in _NUMBERS if name in names}
+    keywords |= {name: entry[name].boolean() for name in _FLAGS if name in names}
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", GoalWarning)  # who asked was told
-            return Goal(T, **told)
+            warnings.simplefilter("ignore", GoalWarning)  # who asked was warned
+            return Goal(T, **keywords)
     except ValueError as error:
         if type(error) is not ValueError:
             raise

@@ -58,7 +58,7 @@ class Judge:
     Args:
         robot: Its description and hulls are taken.
         options: What was asked for.
-        carries: Whether links carry something.
+        carries: Whether something is attached to links.
         contacts: Rules of contact, in the order in which they count.
     """
 
@@ -135,7 +135,7 @@ class Judge:
     def __call__(
         self, goals: Any, answer: Mapping[str, Any], obstacles: Obstacles, call: Call | None = None
     ) -> Judged:
-        """Of one answer to goals among obstacles.
+        """Judgement of one answer to goals among obstacles.
 
         Args:
             goals: Of a solve; of several that would do, the one that was met.
@@ -226,8 +226,8 @@ class Judge:
                     f"claims {claims}, but {title} is {distance:.4g} m, and of two things"
                     f" {-found[beyond]:.4g} m less than wanted"
                 )
-            told = _told_up_to(answer, options)  # and more as that
-            far = min(distance, said) >= told - ROUNDING
+            reported = _reported_up_to(answer, options)  # and more as that
+            far = min(distance, said) >= reported - ROUNDING
             near = np.isclose(said, distance, rtol=ROUNDING, atol=ROUNDING)
             more = name in by_pieces and said > distance
             both_off = min(distance, said) > ROUNDING  # depth can be measured in several ways
@@ -292,8 +292,8 @@ class Judge:
         return least, room, by_pieces
 
 
-def _told_up_to(answer: Mapping[str, Any], options: Options) -> float:
-    """How far an answer's clearance is told [m]."""
+def _reported_up_to(answer: Mapping[str, Any], options: Options) -> float:
+    """How far an answer's clearance is reported [m]."""
     return max(0.5 if "tracking" in answer else options.report_clearance, options.clearance)
 
 
@@ -308,7 +308,7 @@ def _claim(answer: Mapping[str, Any]) -> str:
 def _false_claims(
     answer: Mapping[str, Any], errors: list[tuple[Requirement, float, float]]
 ) -> list[str]:
-    """Of errors beyond what goals allow, the largest of each kind."""
+    """Faults: of errors beyond what goals allow, the largest of each kind."""
     claims, faults = _claim(answer), []
     if not claims:
         return []

@@ -30,7 +30,7 @@ class Kinematics:
             placed |= {joint[3] for joint in new}
 
     def position(self, name: str, q: FloatArray) -> float:
-        """Of a joint [rad] or [m]; one that follows another is moved by it."""
+        """Position of a joint [rad] or [m]; one that follows another is moved by it."""
         mimic = self._joints[name][10]
         if mimic is None:
             return float(q[self._place[name]])

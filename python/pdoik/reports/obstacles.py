@@ -53,7 +53,7 @@ def obstacles_entry(obstacles: Any) -> dict[str, Any] | None:
 
 
 def _rows(cloud: Cloud) -> list[list[float]]:
-    """Of x y z radius, in the order that the points came in, which is that of their ids."""
+    """Rows of x y z radius [m], in the order that the points came in, that of their ids."""
     rows: list[list[float]] = plain(cloud.points[np.argsort(cloud.ids)])
     return rows
 

@@ -93,7 +93,7 @@ def carried_entry(carried: Sequence[Attachment]) -> list[dict[str, Any]]:
 
 
 def read_carried(entry: Entry) -> list[Attachment]:
-    """For `attach_all`."""
+    """Attachments for `attach_all`."""
     return [_read_attachment(each) for each in entry.items()]
 
 
@@ -108,7 +108,7 @@ def _read_attachment(entry: Entry) -> Attachment:
 
 
 def answer_entry(result: Any) -> dict[str, Any]:
-    """Of a Result or a TrackerResult."""
+    """Entry of a Result or a TrackerResult."""
     names = [
         *ANSWER,
         *LATER,
@@ -120,7 +120,7 @@ def answer_entry(result: Any) -> dict[str, Any]:
 
 
 def read_answer(entry: Entry, dof: int) -> dict[str, Any]:
-    """By name, with the types that a Result has.
+    """Values by name, with the types that a Result has.
 
     Raises:
         LoadError: Something is missing or is no such thing.
@@ -148,12 +148,12 @@ def read_answer(entry: Entry, dof: int) -> dict[str, Any]:
 
 
 def found_entry(solutions: Any) -> dict[str, Any]:
-    """Of Solutions, what is none of its results'."""
+    """Entry of Solutions, what is none of its results'."""
     return {name: plain(getattr(solutions, name)) for name in FOUND}
 
 
 def read_found(entry: Entry, count: int) -> dict[str, Any]:
-    """By name, of `count` solutions."""
+    """Values by name, of `count` solutions."""
     turns = entry["turns"].items()
     if len(turns) != count:
         raise entry["turns"].wrong(f"expected {count}, one for each answer, got {len(turns)}")

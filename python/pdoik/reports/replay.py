@@ -44,7 +44,7 @@ KINDS = ("solve", "batch", "steps", "any", "all")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Replay:
-    """A report beside its replay.
+    """A report together with its replay.
 
     Attributes:
         kind: "solve", "batch", "any", "all" or "steps".
@@ -101,7 +101,7 @@ class Replay:
 
 
 def _title(kind: str, k: int) -> str:
-    """Of one of several answers."""
+    """Title of one of several answers."""
     titles = {"batch": f"target {k}: ", "steps": f"step {k}: ", "all": f"solution {k}: "}
     return titles.get(kind, "")
 
@@ -130,7 +130,7 @@ def replay_report(path: str | os.PathLike[str]) -> Replay:
     if found is not None and found_again is not None and not clocked:
         differences += of_found(found, found_again)
     deadline = math.inf if kind == "steps" else options.max_time
-    for k, (was, now) in enumerate(zip(answers, again, strict=False)):  # `found` tells how many
+    for k, (was, now) in enumerate(zip(answers, again, strict=False)):  # `found` says how many
         off = of_answers(was, now, counts=kind != "batch")
         if off and k not in clocked and was["time"] - was["intake"] >= 0.5 * deadline:
             clocked.append(k)  # it may strike from there on, and cut what follows a solution, too
@@ -214,7 +214,7 @@ def _asked(
 
 
 def _met(targets: Sequence[Any], answer: Mapping[str, Any], question: Entry) -> Any:
-    """Of several that would do the one that an answer says it is about."""
+    """Target, of several that would do, the one that an answer says it is about."""
     index = answer.get("goal_index", -1)
     if not 0 <= index < len(targets):
         what = f"expected an answer to one of {len(targets)} goals, got goal_index {index}"
@@ -269,7 +269,7 @@ def _ask(
         asker = Asker(solver, kind, tracker)
         asker.carried = carried
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", GoalWarning)  # who asked was told
+            warnings.simplefilter("ignore", GoalWarning)  # who asked was warned
             again = asker.ask(entry["question"])
         answers = [read_answer(Entry(answer_entry(each), entry.file), robot.dof) for each in again]
         if kind != "all":
@@ -282,7 +282,7 @@ def _ask(
 
 
 def _settings(entry: Entry, dof: int) -> dict[str, Any]:
-    """Of a tracker, with time for a slower machine."""
+    """Settings of a tracker, with time for a slower machine."""
     settings: dict[str, Any] = {
         name: entry[name].number()
         for name in ("period", "max_time", "speed_share", "posture_weight", "smoothness")

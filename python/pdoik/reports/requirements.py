@@ -50,7 +50,7 @@ class Requirement:
     position_first: bool
 
     def errors(self, poses: Mapping[str, FloatArray]) -> tuple[float, float]:
-        """Beyond slack, position [m] and rotation [rad].
+        """Errors beyond slack, position [m] and rotation [rad].
 
         Args:
             poses: T_base_link of every link, (4, 4) [m].
@@ -74,7 +74,7 @@ class Requirement:
         return position, float(np.linalg.norm(turn))
 
     def _off_axis(self, T: FloatArray, wanted: FloatArray) -> float:
-        """Of the axis beyond its cone [rad]."""
+        """Error of the axis beyond its cone [rad]."""
         is_at = T[:3, :3] @ self.axis
         angle = np.arctan2(np.linalg.norm(np.cross(is_at, wanted)), is_at @ wanted)
         return max(float(angle) - float(self.rotation_slack.max()), 0.0)
@@ -83,7 +83,7 @@ class Requirement:
 def requirements(
     goals: Any, tips: Sequence[str], options: Options, call: Call
 ) -> list[Requirement]:
-    """Of whatever a solve takes as its target.
+    """Requirements of whatever a solve takes as its target.
 
     Args:
         goals: A target, a Goal, a list of them, or a dict of such by tip link.
@@ -106,32 +106,32 @@ def _is_list(goals: Any) -> bool:
 def _requirement(
     goal: Any, link: str | None, tips: Sequence[str], options: Options, call: Call
 ) -> Requirement:
-    told = goal if isinstance(goal, Goal) else None
-    given = np.asarray(goal if told is None else told.T_base_tip)
+    full = goal if isinstance(goal, Goal) else None
+    given = np.asarray(goal if full is None else full.T_base_tip)
     target = np.eye(4)
     if given.shape == (3,):
         target[:3, 3] = given
     else:
         target = given
-    tip = (told and told.tip) or link or tips[0]
-    kind = (told and told.type) or options.goal
-    axis: Any = options.goal_axis if told is None or told.axis is None else told.axis
+    tip = (full and full.tip) or link or tips[0]
+    kind = (full and full.type) or options.goal
+    axis: Any = options.goal_axis if full is None or full.axis is None else full.axis
     tools = call.T_tip_tool
     usual = tools.get(tip) if isinstance(tools, Mapping) else tools
-    own = None if told is None else told.T_tip_tool
+    own = None if full is None else full.T_tip_tool
     tool = next(each for each in (own, usual, options.T_tip_tool) if each is not None)
-    priority = (told and told.priority) or call.priority or options.priority
+    priority = (full and full.priority) or call.priority or options.priority
     return Requirement(
         link=tip,
-        relative_to=told.relative_to if told else None,
+        relative_to=full.relative_to if full else None,
         kind=kind,
         target=target,
         tool=np.asarray(tool),
         axis=np.array(_AXES[axis] if isinstance(axis, str) else axis, dtype=np.float64),
-        position_slack=told.position_slack if told else np.zeros(3),
-        rotation_slack=told.rotation_slack if told else np.zeros(3),
-        position_tolerance=(told and told.position_tolerance) or options.position_tolerance,
-        rotation_tolerance=(told and told.rotation_tolerance) or options.rotation_tolerance,
-        is_wish=bool(told and told.soft),
+        position_slack=full.position_slack if full else np.zeros(3),
+        rotation_slack=full.rotation_slack if full else np.zeros(3),
+        position_tolerance=(full and full.position_tolerance) or options.position_tolerance,
+        rotation_tolerance=(full and full.rotation_tolerance) or options.rotation_tolerance,
+        is_wish=bool(full and full.soft),
         position_first=priority == "position" and kind in ("pose", "axis"),
     )

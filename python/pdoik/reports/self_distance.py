@@ -144,7 +144,7 @@ class SelfDistance:
 
 
 def _between(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:
-    """Of two segments: where both run on, or from an end of one of them [m]."""
+    """Distance of two segments: where both run on, or from an end of one of them [m]."""
     u, v, w = b - a, d - c, a - c
     ends = [_to_segment(p, c, d) for p in (a, b)] + [_to_segment(p, a, b) for p in (c, d)]
     uu, uv, vv = u @ u, u @ v, v @ v

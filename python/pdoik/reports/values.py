@@ -88,7 +88,7 @@ class Entry:
         return Entry(self.value[key], self.file, name)
 
     def get(self, key: str) -> Entry:
-        """As by brackets; with the value None where there is none."""
+        """Entry as by brackets; with the value None where there is none."""
         if not isinstance(self.value, Mapping):
             raise self.expected("entries by name")
         return self[key] if key in self.value else Entry(None, self.file, f"{self.name}.{key}")
@@ -169,7 +169,7 @@ class Entry:
 
 
 def by_name(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
-    """For json: a name given twice is an error, not the last one."""
+    """Dict of pairs for json: a name given twice is an error, not the last one."""
     found = dict(pairs)
     if len(found) != len(pairs):
         names = [name for name, _ in pairs]

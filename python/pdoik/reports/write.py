@@ -29,7 +29,7 @@ from .robot import robot_entry
 from .values import Entry, json_lines, plain
 
 FORMAT = 2
-"""Of the file; a reader of this version reads all up to it."""
+"""Format of the file; a reader of this version reads all up to it."""
 ENDINGS = (".json", ".json.gz")
 
 
@@ -98,7 +98,7 @@ def write_report(
         others = (max_step, lock, T_tip_tool, priority)
         if q0 is None or any(each is not None for each in others):
             raise ValueError(
-                "q0 is where a tracker was reset to, which has to be told; no max_step, lock,"
+                "q0 is where a tracker was reset to, which has to be given; no max_step, lock,"
                 " T_tip_tool or priority"
             )
         settings = plain(solver.settings)

@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """As `load_scene` has them.
+    """What `load_scene` was asked for.
 
     Attributes:
         packages: Where files are that the scene's names.
@@ -44,8 +44,8 @@ class World:
     Attributes:
         things: Its objects, in the base frame.
         contacts: Rules of contact.
-        attached: What links carry.
-        left_out: What the file has beside them, in words: the robot, and what cannot be touched.
+        attached: What is attached to links.
+        left_out: What the file has besides them, in words: the robot, and what cannot be touched.
         surface: The points of its cloud as their file has them, (N, 3) [m]; no rows without one.
         leaf: Edge of the cells the cloud is to be thinned to [m]; 0 keeps every point.
         radii: Whether points that are kept cover those that are not.

@@ -149,7 +149,7 @@ def read_matrix(
 
 
 def _name(name: Any, objects: Collection[str]) -> str:
-    """As rules have it: MoveIt's octomap is a shape if the scene has it, or else all points."""
+    """Name as rules have it: MoveIt's octomap is a shape if the scene has it, else all points."""
     is_points = str(name) == moveit_octomap.NAME and str(name) not in objects
     return "points" if is_points else str(name)
 

@@ -1,4 +1,4 @@
-"""Distance fields of scenes: arrays in .npy and .npz files beside the scene's own."""
+"""Distance fields of scenes: arrays in .npy and .npz files next to the scene's own."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from pdoik.errors import LoadError
 from pdoik.scenes.values import EntryError, numbers
 
 KEYS = ("cell", "truncation", "unknown")
-"""What the scene or the .npz may say beside the values."""
+"""What the scene or the .npz may say besides the values."""
 
 
 def read_field(given: Mapping[str, Any], file: Path, entry: str, places: Places) -> dict[str, Any]:
-    """What `Shape.distance_field` takes beside its name and pose, of {file, cell, ...}.
+    """What `Shape.distance_field` takes besides its name and pose, of {file, cell, ...}.
 
     The file is a .npy of the values, or an .npz of `values` and what else there is to say; what the
     scene says counts first.
@@ -35,12 +35,12 @@ def read_field(given: Mapping[str, Any], file: Path, entry: str, places: Places)
     except LoadError as error:
         raise EntryError(file, f"distance field {error}", entry) from error
     found = _loaded(path, file, entry)
-    told = {**found, **{key: given[key] for key in KEYS if given.get(key) is not None}}
-    if "cell" not in told:
+    merged = {**found, **{key: given[key] for key in KEYS if given.get(key) is not None}}
+    if "cell" not in merged:
         raise EntryError(file, f"neither the scene nor {path.name} says what cell is [m]", entry)
-    result = {"values": found["values"], "unknown": str(told.get("unknown", "free"))}
+    result = {"values": found["values"], "unknown": str(merged.get("unknown", "free"))}
     for key in ("cell", "truncation"):
-        value = told.get(key)
+        value = merged.get(key)
         if value is not None:
             result[key] = _number(value, file, f"{entry}.{key}", math.inf if key != "cell" else 0.0)
     return result
@@ -71,7 +71,7 @@ def _loaded(path: Path, file: Path, entry: str) -> dict[str, Any]:
 
 
 def write_field(shape: Shape, scene: Path, taken: Container[str]) -> str:
-    """Write a shape's field beside a scene's file. Returns the name of the .npz.
+    """Write a shape's field next to a scene's file. Returns the name of the .npz.
 
     Args:
         shape: A distance field.

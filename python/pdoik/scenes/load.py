@@ -1,4 +1,4 @@
-"""A scene's file, whatever its format, as shapes, points, rules of contact, and what is carried."""
+"""A scene's file, whatever its format, as shapes, points, rules of contact, what is attached."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ class SceneFile:
         leaf: Edge of the cells the cloud is to be thinned to [m]; 0 keeps every point.
         radii: Whether points that are kept cover those that are not.
         contacts: Rules of contact.
-        attached: What links carry, for `Solver.attach_all`.
-        left_out: What the file has beside them, in words.
+        attached: What is attached to links, for `Solver.attach_all`.
+        left_out: What the file has besides them, in words.
     """
 
     path: Path
@@ -92,14 +92,14 @@ def load_scene(
         path: The file; its suffix, and of .xml the root, say what it is.
         packages: Folders by the names of packages in `package://` and `model://` addresses, or
             folders that hold packages; see `pdoik.urdf_text` for where else they are looked for.
-            Meshes may also be beside the scene, by the last parts of their addresses.
+            Meshes may also be next to the scene, by the last parts of their addresses.
         frame: Whose frame is the robot's base frame: of MuJoCo's worlds a body or a site, of
             Gazebo's a model, link or frame (MODEL::LINK). In MoveIt's YAML, what it calls that
             frame when its objects are not in it but in one that fixed_frame_transforms place. None
             for the robot's base link where the file has the robot; or else for the world's frame.
         robot: Leaves the robot out of MuJoCo's and Gazebo's worlds, by the names of its links and
             joints, and allows its base what the file does: contact of what stands still with what
-            stands still, and pairs of bodies that MuJoCo is told to exclude.
+            stands still, and pairs of bodies that MuJoCo is set to exclude.
         without: Names of objects to be left out: bodies with what hangs on them, geoms, models,
             objects, shapes.
         keyframe: Of MuJoCo's worlds, where what moves stands: a keyframe's name or number. None for
@@ -107,7 +107,7 @@ def load_scene(
 
     Raises:
         LoadError: Names the file, the entry, and what is wrong with it; links carry something in
-            it, which `pdoik.scenes.read_scene_file` gives beside the obstacles.
+            it, which `pdoik.scenes.read_scene_file` gives besides the obstacles.
 
     Warns:
         ObstacleWarning: The file holds nothing, is in millimetres most likely, has a mesh that is
@@ -133,10 +133,10 @@ def read_scene_file(
     without: Sequence[str] = (),
     keyframe: str | int | None = None,
 ) -> SceneFile:
-    """As `load_scene`, with the cloud's points before thinning, what was left out or is carried.
+    """As `load_scene`, with the cloud's points before thinning, what was left out or is attached.
 
     Raises:
-        LoadError: As `load_scene`, but for what links carry.
+        LoadError: As `load_scene`, but for what is attached to links.
 
     Warns:
         ObstacleWarning: As `load_scene`.
@@ -158,7 +158,7 @@ def read_scene_file(
 
 
 def _read_xml(file: Path, asked: Asked) -> World:
-    """A world of MuJoCo's or of Gazebo's, which its root tells apart."""
+    """A world of MuJoCo's or of Gazebo's, distinguished by its root."""
     match root_of(file).tag:
         case "mujoco" | "mujocoinclude":
             return read_mjcf(file, asked)

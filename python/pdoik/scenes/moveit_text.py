@@ -3,7 +3,7 @@
 The scene's name on the first line; then for each object `* id`, in the newer layout its pose, the
 number of its shapes, and for each of these type, numbers, position, quaternion (x y z w), colour;
 in the newer layout the number of subframes, and for each its name and pose; `.` ends the file. As
-MoveIt does, the layout is told by the line after the id: a pose has spaces, a number has not.
+MoveIt does, the layout is known from the line after the id: a pose has spaces, a number has not.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def _pieces(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AttachedThing:
-    """An object that a link carries, its pieces in the link's frame."""
+    """An object attached to a link, its pieces in the link's frame."""
 
     link: str
     thing: Thing
@@ -152,7 +152,7 @@ def _frame(
     if name in frames:
         return frames[name]
     if base is not None and name not in (base, ""):
-        raise EntryError(file, f"is in the frame {name!r}, of which {base!r} is not told", entry)
+        raise EntryError(file, f"is in the frame {name!r}, of which {base!r} is not given", entry)
     if name in links and name not in ("base_link", "world") and not name.endswith("link0"):
         raise EntryError(file, f"is in the frame of the link {name!r}", entry)
     return np.eye(4)

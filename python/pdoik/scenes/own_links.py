@@ -37,7 +37,7 @@ class OwnLinks:
 
     @classmethod
     def of(cls, robot: Robot) -> OwnLinks:
-        """Of a robot.
+        """A robot's own links and joints.
 
         A joint that moves neither a tip nor a hull, such as a door's in a file that the robot was
         read from whole, is not the robot's.

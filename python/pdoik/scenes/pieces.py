@@ -36,7 +36,7 @@ class Piece:
         vertices: Of a mesh, (V, 3) in its own frame [m]; of boxes the lowest and the highest
             corner of each, by turns.
         faces: Of a mesh, (F, 3) places in `vertices`; none for the hull of its vertices.
-        distances: Of a distance field, what `Shape.distance_field` takes beside its name and pose.
+        distances: Of a distance field, what `Shape.distance_field` takes besides its name and pose.
         exact: Of a convex mesh, whether the faces are the surface itself, to be convex exactly.
         entry: Where in the file it is, for messages.
     """

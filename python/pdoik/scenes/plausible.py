@@ -22,7 +22,7 @@ is."""
 def warn_of_emptiness(
     file: Path, shapes: Sequence[Shape], surface: FloatArray, left_out: Sequence[str]
 ) -> None:
-    """Tell of a scene without obstacles.
+    """Warn of a scene without obstacles.
 
     Warns:
         ObstacleWarning: There are neither shapes nor points.
@@ -38,7 +38,7 @@ def warn_of_emptiness(
 
 
 def warn_of_units(file: Path, shapes: Sequence[Shape]) -> None:
-    """Tell of shapes that are too large to be in metres.
+    """Warn of shapes that are too large to be in metres.
 
     Warns:
         ObstacleWarning: Most of the shapes that have an end, or a mesh, are more than 20 m thick.
@@ -66,7 +66,7 @@ def warn_of_units(file: Path, shapes: Sequence[Shape]) -> None:
 def _thickness(shape: Shape) -> float | None:
     """The least of its extents along its own axes [m]; None where nobody knows it.
 
-    A half-space has no end, and a distance field tells of free space, too.
+    A half-space has no end, and a distance field describes free space, too.
     """
     match shape.kind:
         case "half_space" | "distance_field":

@@ -23,38 +23,38 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     Args:
         scene: What to write.
         path: The file, whole or not at all; one that is there is replaced. The values of a distance
-            field are in a file beside it, scene.NAME.npz of scene.yaml.
+            field are in a file next to it, scene.NAME.npz of scene.yaml.
 
     Raises:
         OSError: It cannot be written.
     """
     import yaml
 
-    beside: dict[str, str] = {}  # files of distance fields, by shapes' names
+    field_files: dict[str, str] = {}  # files of distance fields, by shapes' names
     for shape in scene.shapes:
         if shape.kind == "distance_field":
-            beside[shape.name] = fields.write_field(shape, Path(path), beside.values())
+            field_files[shape.name] = fields.write_field(shape, Path(path), field_files.values())
     content = {
-        "shapes": [_entry_of(shape, beside) for shape in scene.shapes],
+        "shapes": [_entry_of(shape, field_files) for shape in scene.shapes],
         "contacts": [rule_entry(rule) for rule in scene.contacts],
     }
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, allow_unicode=True)
     write_whole(path, text)
 
 
-def _entry_of(shape: Shape, beside: Mapping[str, str]) -> dict[str, Any]:
+def _entry_of(shape: Shape, field_files: Mapping[str, str]) -> dict[str, Any]:
     """What `_read_piece` reads.
 
     Args:
         shape: What is written.
-        beside: The files of distance fields, by shapes' names.
+        field_files: The files of distance fields, by shapes' names.
     """
     T = np.asarray(shape.T_base_shape)
     entry: dict[str, Any] = {"name": shape.name}
     if shape.kind == "half_space":
         return entry | {"half_space": {"normal": T[:3, 2].tolist(), "point": T[:3, 3].tolist()}}
     if shape.kind == "distance_field":
-        entry[shape.kind] = {"file": beside[shape.name]}
+        entry[shape.kind] = {"file": field_files[shape.name]}
     else:
         entry[shape.kind] = _size_of(shape)
     entry["position"] = T[:3, 3].tolist()

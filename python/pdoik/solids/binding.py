@@ -17,7 +17,7 @@ class Binding(NamedTuple):
     """Where the worst constraint is a clearance: between which things it is."""
 
     hulls: tuple[int, ...] = ()  # in the order of `placed_hulls`
-    held: tuple[str, ...] = ()  # what links carry, by name
+    held: tuple[str, ...] = ()  # what is attached to links, by name
     obstacle: int | None = None  # the row of a point
     shape: str | None = None  # by name
 
@@ -34,7 +34,7 @@ def binding(
         result: Whose.
         robot: Whose hulls.
         shapes: The names of those that there are.
-        held: The names of what links carry.
+        held: The names of what is attached to links.
     """
     hulls = {name: number for number, name in enumerate(hull_names(robot))}
     rest = result.worst_constraint
@@ -46,13 +46,13 @@ def binding(
         if first not in hulls and first not in held:
             continue
         numbers = tuple(hulls[each] for each in (first, second) if each in hulls)
-        carried = tuple(each for each in (first, second) if each in held)
+        attached = tuple(each for each in (first, second) if each in held)
         if second.startswith(_POINT) and second.removeprefix(_POINT).isdecimal():
-            return Binding(numbers, carried, obstacle=int(second.removeprefix(_POINT)))
+            return Binding(numbers, attached, obstacle=int(second.removeprefix(_POINT)))
         if second in shapes:
-            return Binding(numbers[:1], carried[:1], shape=second)
-        if len(numbers) + len(carried) == 2:
-            return Binding(numbers, carried)
+            return Binding(numbers[:1], attached[:1], shape=second)
+        if len(numbers) + len(attached) == 2:
+            return Binding(numbers, attached)
     return Binding()
 
 

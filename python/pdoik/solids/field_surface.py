@@ -14,7 +14,7 @@ FloatArray = npt.NDArray[np.float64]
 
 _STEPS, _ON_SURFACE, _LEVEL = 30, 1e-6, 1e-6  # of a search down a slope; [m]; slope squared
 _SLIDES = 30  # along the surface
-_INSIDE = 1e-6  # cells from the border of where values are: beside that border slopes are others
+_INSIDE = 1e-6  # cells from the border of where values are: next to that border slopes are others
 _SHORTEST = 1e-3  # slide that is worth another one, in cells
 
 
@@ -57,12 +57,12 @@ class _Field:
         share = 1.0
         for _ in range(_SLIDES):
             square = float(slope @ slope)
-            way = point - place
+            offset = point - place
             if square > _LEVEL:
-                way = way - (way @ slope) / square * slope
-            if share * np.linalg.norm(way) < _SHORTEST * self._cell:
+                offset = offset - (offset @ slope) / square * slope
+            if share * np.linalg.norm(offset) < _SHORTEST * self._cell:
                 break
-            other, its_slope = self._down(place + share * way)
+            other, its_slope = self._down(place + share * offset)
             if np.linalg.norm(other - point) < np.linalg.norm(place - point):
                 place, slope = other, its_slope
             else:

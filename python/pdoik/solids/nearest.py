@@ -17,7 +17,7 @@ from .surfaces import onto_spheroid, part_distance, part_surface, segment_surfac
 
 FloatArray = npt.NDArray[np.float64]
 Part = PlacedHull | pdoik.Shape
-"""A solid in the base frame: a hull, an obstacle, or what a link carries."""
+"""A solid in the base frame: a hull, an obstacle, or what is attached to a link."""
 
 _GOLDEN = (np.sqrt(5) - 1) / 2
 _LOOKS = 9  # along a hull's segment
@@ -32,7 +32,7 @@ class NearestObstacle:
     """The least of `pdoik.Solver.clearances`, and between which two points it is."""
 
     obstacle: str  # the shape's name, 'the ball' or 'points'
-    part: str  # of the robot: a hull, or what it carries
+    part: str  # of the robot: a hull, or what is attached to it
     distance: float  # negative inside [m]
     line: FloatArray | None  # from the part's surface to the obstacle's, (2, 3) [m]
 
@@ -55,7 +55,7 @@ def nearest_obstacle(
         points: Those that the solver had, (K, 4) [m].
         shapes: Those that it had.
         ball: Which of the points is the page's ball.
-        carried: What links carry.
+        carried: What is attached to links.
     """
     least = min(found, key=lambda each: each.distance, default=None)
     if least is None or not np.isfinite(least.distance):
@@ -75,7 +75,7 @@ def nearest_obstacle(
 def _line_of(
     found: pdoik.ObstacleClearance, part: Part, robot: pdoik.Robot, q: FloatArray, obstacle: Part
 ) -> FloatArray:
-    """From the hull, or from the piece of its link that the distance is of."""
+    """Line from the hull, or from the piece of its link that the distance is of."""
     lines = [nearest_points(part, obstacle)]
     if isinstance(part, PlacedCapsule) and _misfit(lines[0], found) > _SAME_LENGTH:
         pieces = link_pieces(robot, q, part.name)
@@ -90,7 +90,7 @@ def _misfit(line: FloatArray, found: pdoik.ObstacleClearance) -> float:
 def named_part(
     name: str, robot: pdoik.Robot, q: FloatArray, carried: Sequence[pdoik.Attachment] = ()
 ) -> Part | None:
-    """The part of a robot that results call so: what a link carries, or a hull."""
+    """The part of a robot that results call so: what is attached to a link, or a hull."""
     for each in carried:
         for shape in each.shapes:
             if shape.name == name:
@@ -111,7 +111,7 @@ def point_part(point: FloatArray) -> PlacedSpheroid:
 
 
 def nearest_points(a: Part, b: Part) -> FloatArray:
-    """From a's surface to b's, (2, 3) [m]; of parts that overlap, how deep one is in the other.
+    """Line from a's surface to b's, (2, 3) [m]; where parts overlap, the depth of one in the other.
 
     Of two shapes of which neither is a ball or a capsule it is found by projections in turn, which
     end at the nearest points of convex ones. Of a spheroid that overlaps something it is through
@@ -147,7 +147,7 @@ def _segment(part: Part) -> tuple[FloatArray, FloatArray, float] | None:
 
 
 def _from_segment(a: FloatArray, b: FloatArray, radius: float, other: Part) -> FloatArray:
-    """By golden section where looks along the segment have found the least.
+    """Line found by golden section where looks along the segment have found the least.
 
     Between them the signed distance is convex, of a convex solid all along.
     """
@@ -185,7 +185,7 @@ def _from_segment(a: FloatArray, b: FloatArray, radius: float, other: Part) -> F
 
 
 def _from_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
-    """By projections in turn, which end at the nearest points of convex solids that are apart."""
+    """Line found by projections in turn, which end at the nearest points of convex solids."""
     surface = part_surface(other)
     point = (hull.focus_a + hull.focus_b) / 2
     for _ in range(_PROJECTIONS):
@@ -199,7 +199,7 @@ def _from_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
 
 
 def _out_of_spheroid(hull: PlacedSpheroid, other: Part) -> FloatArray:
-    """From where a spheroid that overlaps something ends in it, to that thing's surface."""
+    """Line from where a spheroid that overlaps something ends in it, to that thing's surface."""
     center, place = _from_segment(hull.focus_a, hull.focus_b, 0.0, other)
     inward = center - place if part_distance(other)(center) < 0 else place - center
     length = float(np.linalg.norm(inward))

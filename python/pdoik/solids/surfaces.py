@@ -15,20 +15,20 @@ from .field_surface import field_distance, field_surface
 
 FloatArray = npt.NDArray[np.float64]
 Surface = Callable[[FloatArray], tuple[float, FloatArray]]
-"""Of a point (3,): its distance, negative inside [m], and the nearest place (3,)."""
+"""Function of a point (3,): its distance, negative inside [m], and the nearest place (3,)."""
 
 
 def ball_surface(center: FloatArray, radius: float) -> Surface:
     def to_ball(point: FloatArray) -> tuple[float, FloatArray]:
         distance = float(np.linalg.norm(point - center))
-        way = (point - center) / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
-        return distance - radius, center + radius * way
+        outward = (point - center) / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
+        return distance - radius, center + radius * outward
 
     return to_ball
 
 
 def part_surface(part: PlacedHull | pdoik.Shape) -> Surface:
-    """In the base frame."""
+    """Surface in the base frame."""
     if isinstance(part, PlacedCapsule):
         return segment_surface(part.a, part.b, part.radius)
     if isinstance(part, PlacedSpheroid):
@@ -47,7 +47,7 @@ def part_distance(part: PlacedHull | pdoik.Shape) -> Callable[[FloatArray], floa
 
 
 def shape_surface(shape: pdoik.Shape) -> Surface:
-    """In the base frame."""
+    """Surface in the base frame."""
     T = np.asarray(shape.T_base_shape)
     R, t, size = T[:3, :3], T[:3, 3], np.array(shape.size)
     match shape.kind:
@@ -67,7 +67,7 @@ def shape_surface(shape: pdoik.Shape) -> Surface:
         case "distance_field":
             local = field_surface(shape)
         case "mesh":
-            local = _sheet(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
+            local = _thin(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
         case _:
             local = _mesh(np.asarray(shape.vertices)[np.asarray(shape.triangles)])
 
@@ -97,9 +97,9 @@ def _cylinder(radius: float, half: float) -> Surface:
 
     def to_cylinder(point: FloatArray) -> tuple[float, FloatArray]:
         out = float(np.hypot(point[0], point[1]))
-        way = point[:2] / out if out > 0 else np.array([1.0, 0.0])
+        outward = point[:2] / out if out > 0 else np.array([1.0, 0.0])
         distance, (r, z) = section(np.array([out, point[2]]))
-        return distance, np.array([*(r * way), z])
+        return distance, np.array([*(r * outward), z])
 
     return to_cylinder
 
@@ -149,7 +149,7 @@ def _half_space(point: FloatArray) -> tuple[float, FloatArray]:
 
 
 def _boxes(corners: FloatArray) -> Surface:
-    """Of several, by the lowest and the highest corner of each, (2 N, 3)."""
+    """Surface of several boxes, by the lowest and the highest corner of each, (2 N, 3)."""
     middles, halves = (corners[1::2] + corners[0::2]) / 2, (corners[1::2] - corners[0::2]) / 2
 
     def to_boxes(point: FloatArray) -> tuple[float, FloatArray]:
@@ -161,12 +161,12 @@ def _boxes(corners: FloatArray) -> Surface:
     return to_boxes
 
 
-def _sheet(triangles: FloatArray) -> Surface:
-    """Of a surface of no thickness, (T, 3, 3)."""
+def _thin(triangles: FloatArray) -> Surface:
+    """Surface of triangles without thickness, (T, 3, 3)."""
     middles = triangles.mean(axis=1)
     reaches = np.linalg.norm(triangles - middles[:, None], axis=2).max(axis=1)
 
-    def to_sheet(point: FloatArray) -> tuple[float, FloatArray]:
+    def to_thin(point: FloatArray) -> tuple[float, FloatArray]:
         apart = np.linalg.norm(middles - point, axis=1)
         near = triangles[apart - reaches <= (apart + reaches).min()]  # one of these is nearest
         points = np.tile(point, (len(near), 1))
@@ -177,11 +177,11 @@ def _sheet(triangles: FloatArray) -> Surface:
         nearest = int(distances.argmin())
         return float(distances[nearest]), places[nearest]
 
-    return to_sheet
+    return to_thin
 
 
 def _mesh(triangles: FloatArray) -> Surface:
-    """Of a closed convex one, (T, 3, 3)."""
+    """Surface of a closed convex mesh, (T, 3, 3)."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
 
@@ -190,6 +190,6 @@ def _mesh(triangles: FloatArray) -> Surface:
         highest = int(heights.argmax())
         if heights[highest] <= 0:
             return float(heights[highest]), point - heights[highest] * normals[highest]
-        return _sheet(triangles)(point)
+        return _thin(triangles)(point)
 
     return to_mesh

@@ -1,7 +1,7 @@
 """When to be where on a path: speeds for whole paths and for moves.
 
 `time_path` and `time_motion` take configurations joined by straight lines, round the corners
-by no more than they are told, and give the fastest motion from rest to rest within limits of speed,
+by no more than is given, and give the fastest motion from rest to rest within limits of speed,
 acceleration and jerk; or one whose tool goes at a constant speed wherever joints allow it.
 """
 
@@ -145,7 +145,7 @@ def time_motion(
         max_speed: As there.
         max_jerk: As there.
         deviation: As there, but larger: corners are cut by this much, so what the move is clear of
-            by less may be touched. `Trajectory.recheck` tells.
+            by less may be touched. `Trajectory.recheck` shows it.
         rate: As there.
 
     Raises:

@@ -1,4 +1,4 @@
-"""A smooth way along a polyline that keeps as near to it as it is told."""
+"""A smooth way along a polyline, within a given distance of it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Curve:
     deviation: float  # largest from the polyline, of a joint [rad] or [m]
 
     def __call__(self, s: FloatArray, order: int = 0) -> FloatArray:
-        """Its derivative of an order at places, shape (k, n)."""
+        """Derivative of an order of the curve at places, shape (k, n)."""
         values: FloatArray = self.splines[order](s)
         return values + self.start if order == 0 else values
 

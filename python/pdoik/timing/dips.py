@@ -22,7 +22,7 @@ _LOWEST = 1.02  # times a dip's lowest speed: where it is asked what binds
 
 
 def dips(use: Use, tool: Tool, start: float, names: Sequence[str]) -> list[Dip]:
-    """Of a motion from rest to rest that starts at a time, in order."""
+    """Dips of a motion from rest to rest that starts at a time, in order."""
     share = use.ratios["tool"][:, 0]
     other = np.hstack([use.ratios["speed"], use.ratios["turn"]]).max(axis=1)
     first, last = _ramp(share, other), len(share) - 1 - _ramp(share[::-1], other[::-1])

@@ -136,7 +136,7 @@ class _Program:
         B = _bases(self.knots, sigma)
 
         def rows(*parts: FloatArray) -> Sparse:
-            """Of each joint: the sum of its column in each part times a derivative of x."""
+            """Rows of each joint: the sum of its column in each part times a derivative of x."""
             return _stacked(
                 sum(sparse.diags_array(part[:, joint]) @ B[k] for k, part in enumerate(parts))
                 for joint in range(parts[0].shape[1])
@@ -202,7 +202,7 @@ def _stacked(parts: Iterable[Sparse]) -> Sparse:
 
 
 def _worst_of_each(used: FloatArray, points: int) -> npt.NDArray[np.bool_]:
-    """Of the rows that belong to one point the one that is used most, where that is too much."""
+    """Mask of the rows: the one of each point that is used most, where that is too much."""
     by_point = used.reshape(-1, points)
     worst = np.zeros_like(by_point, dtype=bool)
     worst[by_point.argmax(axis=0), np.arange(points)] = by_point.max(axis=0) > 1.0

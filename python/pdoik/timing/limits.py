@@ -21,7 +21,7 @@ _LEAST_RATE = 1e-9  # of what moves to its limit, at turning points
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Limits:
-    """Of joints, shape (n,) each: speed, acceleration, and jerk, which may be infinite."""
+    """Limits of joints, shape (n,) each: speed, acceleration, and jerk, which may be infinite."""
 
     speed: FloatArray
     acceleration: FloatArray
@@ -144,11 +144,11 @@ class Bounds:
     inside: dict[str, FloatArray]  # (m - 1,), the share of each limit by region
 
     def acceleration(self, s: FloatArray) -> FloatArray:
-        """Of joints, at places on the curve, shape (k, n)."""
+        """Acceleration limits of joints, at places on the curve, shape (k, n)."""
         return self._share("acceleration", s) * self.limits.acceleration
 
     def jerk(self, s: FloatArray) -> FloatArray:
-        """The same."""
+        """Jerk limits, the same."""
         return self._share("jerk", s) * self.limits.jerk
 
     def ceiling(self, s: FloatArray) -> FloatArray:

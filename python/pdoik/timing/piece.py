@@ -33,7 +33,7 @@ class Use:
 
     @property
     def slowness(self) -> float:
-        """In how many times the time it would be within all limits, at least 1."""
+        """Factor of the time that would bring it within all limits, at least 1."""
         wanted = (float(r.max() ** (1 / _POWERS[name])) for name, r in self.ratios.items())
         return max(1.0, *wanted)
 
@@ -73,7 +73,7 @@ class Piece:
         return last
 
     def place(self, t: FloatArray) -> FloatArray:
-        """On the curve, shape (k,)."""
+        """Place on the curve, shape (k,)."""
         s: FloatArray = np.clip(self.motion(t), 0.0, self.curve.breaks[-1])
         return s
 

@@ -67,7 +67,7 @@ class Trajectory:
     q: FloatArray  # (k, n) [rad] or [m]
     dq: FloatArray  # (k, n), its derivative [rad/s] or [m/s]
     ddq: FloatArray  # (k, n), the next; where it jumps, what it is afterwards
-    at: FloatArray  # (k,), place on the path: rows, or what time_path was told of them
+    at: FloatArray  # (k,), place on the path: rows, or what time_path was given of them
     dips: tuple[Dip, ...] = ()  # where the tool is slower than asked for, in order
     deviation: float = np.nan  # largest of a joint from the rows' straight lines [rad] or [m]
 
@@ -87,7 +87,7 @@ class Trajectory:
 
     @property
     def duration(self) -> float:
-        """Of all of it [s]."""
+        """Duration of all of it [s]."""
         return float(self.time[-1])
 
     def sample(self, t: npt.ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -153,7 +153,7 @@ class Trajectory:
         )
 
     def _dense(self, max_step: float) -> FloatArray:
-        """Times between which no joint goes farther than this, by as much as samples tell."""
+        """Times between which no joint goes farther than this, as far as samples show."""
         gone = np.append(0.0, np.cumsum(np.abs(np.diff(self.q, axis=0)).max(axis=1)))
         count = int(np.ceil(gone[-1] / max_step)) + 1
         return np.interp(np.linspace(0.0, gone[-1], max(count, 2)), gone, self.time)
@@ -199,10 +199,12 @@ class Trajectory:
         lines = [f"joint_names: {json.dumps(list(self.joint_names))}", "points:"]
         names = ("positions", "velocities", "accelerations")
         for time, *states in zip(self.time, self.q, self.dq, self.ddq, strict=True):
-            told = [f"{name}: {_numbers(state)}" for name, state in zip(names, states, strict=True)]
+            entry = [
+                f"{name}: {_numbers(state)}" for name, state in zip(names, states, strict=True)
+            ]
             seconds, nanoseconds = divmod(round(float(time) * 1e9), 10**9)
-            told.append(f"time_from_start: {{sec: {seconds}, nanosec: {nanoseconds}}}")
-            lines.append("- " + "\n  ".join(told))
+            entry.append(f"time_from_start: {{sec: {seconds}, nanosec: {nanoseconds}}}")
+            lines.append("- " + "\n  ".join(entry))
         write_whole(path, "\n".join(lines) + "\n")
 
     def __repr__(self) -> str:

@@ -78,7 +78,7 @@ class FittedCamera:
 
 def fitted(look_at: FloatArray, position: FloatArray, fov: float, aspect: float) -> View:
     """The view of a picture of that width over height."""
-    target, way = look_at.astype(np.float64), position - look_at
+    target, offset = look_at.astype(np.float64), position - look_at
     if aspect < _WIDE:
-        way = way * min(_WIDE / aspect, _FARTHEST)
-    return target, target + way
+        offset = offset * min(_WIDE / aspect, _FARTHEST)
+    return target, target + offset

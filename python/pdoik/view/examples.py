@@ -82,7 +82,7 @@ EXAMPLES: Sequence[Example] = (
     ),
     Example(
         name="UR10 and a scanned table",
-        try_this="Drag the hand down beside the box. Voxel size is how far points are thinned.",
+        try_this="Drag the hand down next to the box. Voxel size is how far points are thinned.",
         make=_ur10_and_points,
     ),
     Example(

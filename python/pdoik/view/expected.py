@@ -1,4 +1,4 @@
-"""What a proposed motion is expected to settle, as `pdoik propose` writes it beside the motion."""
+"""What a proposed motion is expected to settle, as `pdoik propose` writes it next to the motion."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ SCHEMA = "pdoik.proposal/1"
 
 
 def expected_of(log: Path) -> str:
-    """Markdown of the JSON beside a CSV; "" where there is none, or it is of something else."""
-    beside = log.with_suffix(".json")
+    """Markdown of the JSON next to a CSV; "" where there is none, or it is of something else."""
+    file = log.with_suffix(".json")
     try:
-        content = json.loads(beside.read_text(encoding="utf-8"))
+        content = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return ""
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:

@@ -155,7 +155,7 @@ def _log(
     q: FloatArray,
     notes: tuple[str, ...],
 ) -> Log:
-    """To be played at a share of the joints' speeds."""
+    """Log to be played at a share of the joints' speeds."""
     limits = np.where(np.isfinite(robot.velocity) & (robot.velocity > 0), robot.velocity, _USUAL)
     steps = (np.abs(np.diff(q, axis=0)) / (_SHARE * limits)).max(axis=1)
     time = np.append(0.0, np.cumsum(np.maximum(steps, 1e-4)))

@@ -1,4 +1,4 @@
-"""What is asked of each tip, and how the solver is told."""
+"""What is asked of each tip, and how the solver is given it."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ class NearestLimit:
 
 
 def nearest_limit(robot: pdoik.Robot, q: FloatArray) -> NearestLimit | None:
-    """None where no joint has limits."""
+    """Nearest limit of any joint; None where no joint has limits."""
     lower, upper = np.asarray(robot.lower), np.asarray(robot.upper)
     width = upper - lower
     limited = np.isfinite(width) & (width > 0)

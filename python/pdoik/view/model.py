@@ -86,7 +86,7 @@ def urdf_model(robot: pdoik.Robot, urdf: Path, packages: Packages = ()) -> Model
 def read_robot(
     urdf: Path, base_link: str | None = None, tip_link: str | None = None
 ) -> pdoik.Robot:
-    """A URDF's robot; its oddities are for `pdoik info` to tell.
+    """A URDF's robot; its oddities are for `pdoik info` to report.
 
     Raises:
         LoadError: The file or a link in it cannot be had.

@@ -1,4 +1,4 @@
-"""On a narrow window the picture is above and the panel below, each half of it."""
+"""The layout of a narrow window: the picture is above and the panel below, each half of it."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class Page(Protocol):
         """Another pose for one of a tip's targets, (4, 4)."""
 
     def add_target(self, tip: str) -> None:
-        """One more target for a tip, beside the last."""
+        """One more target for a tip, next to the last."""
 
     def drop_target(self, tip: str) -> None:
         """One target less for a tip."""

@@ -70,7 +70,7 @@ class ReachRequest:
         """The map; leaves one processor to whoever else wants to solve.
 
         Args:
-            progress: Told how many poses are done; what it raises ends the work.
+            progress: Called with how many poses are done; what it raises ends the work.
 
         Raises:
             ValueError: The cloud cannot be thinned so finely, or the solver refuses the robot.

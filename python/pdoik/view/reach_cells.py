@@ -82,12 +82,12 @@ class ReachCells:
         there = np.arange(len(self.centers))
         if cut is not None:
             there = there[cut.keeps(self.centers)]
-        cubes, ways = [], []
+        cubes, sides = [], []
         for way in range(len(_WAYS)):
             bare = there[~self._covered(there, way)]
             cubes.append(bare)
-            ways.append(np.full(len(bare), way))
-        cube, of = np.concatenate(cubes), np.concatenate(ways)
+            sides.append(np.full(len(bare), way))
+        cube, of = np.concatenate(cubes), np.concatenate(sides)
         return Squares(
             corners=self.centers[cube][:, None] + self.edge / 2 * _CORNERS[of],
             shares=self.shares[cube],

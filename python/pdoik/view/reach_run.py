@@ -16,7 +16,7 @@ class ReachRun:
 
     Args:
         request: What is computed.
-        on_progress: Told how many poses are done, of how many, and in how many seconds.
+        on_progress: Called with how many poses are done, of how many, and in how many seconds.
         on_end: Gets the map, or what was raised instead. Both are called by the run's thread, and
             not once it is cancelled.
     """
@@ -42,7 +42,7 @@ class ReachRun:
         return self._over
 
     def cancel(self) -> bool:
-        """Tell nothing any more, and end after the slice it is in; does not wait for that.
+        """Report nothing any more, and end after the slice it is in; does not wait for that.
 
         Returns:
             Whether it was not over yet.

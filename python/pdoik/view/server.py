@@ -1,4 +1,4 @@
-"""The page's server: on loopback unless told otherwise, and nothing leaves the machine."""
+"""The page's server: on loopback unless set otherwise, and nothing leaves the machine."""
 
 from __future__ import annotations
 
@@ -57,5 +57,5 @@ def start_server(host: str, port: int | None) -> PageServer:
 
 
 def open_browser(url: str) -> None:
-    """In the background: some browsers return only when they are closed."""
+    """Open a browser in the background: some browsers return only when they are closed."""
     threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()

@@ -176,7 +176,7 @@ class Session:
             self._wish_goal(tip, goal)
 
     def drop_target(self, tip: str) -> None:
-        """Without the target of a tip that was added last; the first one stays.
+        """Remove the target of a tip that was added last; the first one stays.
 
         Raises:
             ValueError: The robot has no such tip.

@@ -39,7 +39,7 @@ class Meter:
         return sum(when > since for when, _ in self._solves) / _WINDOW
 
     def median(self) -> float:
-        """Of the solves that are remembered [s]; NaN without any."""
+        """Median time of the solves that are remembered [s]; NaN without any."""
         return float(np.median([seconds for _, seconds in self._solves] or [np.nan]))
 
     def text(self) -> str:
@@ -146,13 +146,13 @@ def _extras(shown: Shown) -> list[tuple[str, str]]:
 
 
 def margin_text(result: pdoik.Result, robot: pdoik.Robot) -> str:
-    """By how much the worst constraint is missed, or holds."""
+    """Words for how far the worst constraint is missed, or holds."""
     amount = f"{1e3 * abs(result.worst_violation):.3g} {_unit(result, robot)}"
     return f"missed by {amount}" if result.worst_violation > 0 else f"holds, {amount} to spare"
 
 
 def _unit(result: pdoik.Result, robot: pdoik.Robot) -> str:
-    """Of a thousandth of the worst constraint."""
+    """Unit of a thousandth of the worst constraint."""
     name = result.worst_constraint
     if name.startswith("limit of "):
         kinds = dict(zip(robot.joint_names, robot.joint_types, strict=True))

@@ -90,9 +90,9 @@ def test_what_is_nowhere_is_said_with_how_to_tell_it(tmp_path: Path) -> None:
     made(tmp_path / "a.stl")
     with pytest.raises(LoadError, match=r"wrong/a\.stl: no such file"):  # nor the one beside it
         Places.of({"arm": tmp_path / "wrong"}, urdf).find("package://arm/a.stl")
-    with pytest.raises(LoadError, match=r"'arm' is told to be in .*none: no such folder"):
+    with pytest.raises(LoadError, match=r"'arm' is said to be in .*none: no such folder"):
         Places.of({"arm": tmp_path / "none"})
-    with pytest.raises(LoadError, match=r"told to be in .*none: no such folder"):
+    with pytest.raises(LoadError, match=r"said to be in .*none: no such folder"):
         Places.of([tmp_path / "none"])
     with pytest.raises(LoadError, match=rf"'b\.stl': no such file in {tmp_path}"):
         Places.of((), urdf).find("b.stl")

@@ -43,7 +43,7 @@ def read_mjcf(file: Path, asked: Asked) -> World:
 
 
 class _Reader:
-    """Of one model."""
+    """Reader of one model."""
 
     def __init__(self, file: Path, asked: Asked) -> None:
         import mujoco
@@ -86,7 +86,7 @@ class _Reader:
         return World(
             things=tuple(Thing(name=n, pieces=tuple(each)) for n, each in pieces.items()),
             contacts=tuple(rules_of_pairs(self._allowed(own, shape_bodies), shape_bodies)),
-            left_out=tuple(self._told(out, untouchable)),
+            left_out=tuple(self._left_out(out, untouchable)),
         )
 
     def _called(self, g: int) -> str:
@@ -124,7 +124,7 @@ class _Reader:
             robot = some(self._bodies[b] for b in sorted(own))
             raise EntryError(
                 self._file,
-                f"has the robot ({robot}), but no body {name!r}, its base link: tell which body's"
+                f"has the robot ({robot}), but no body {name!r}, its base link: say which body's"
                 " or site's frame that is, frame=NAME",
             )
         return np.eye(4)
@@ -193,7 +193,7 @@ class _Reader:
             if int(model.actuator_trntype[a]) in of_joints
         }
 
-    def _told(self, out: set[int], untouchable: dict[int, list[str]]) -> Iterator[str]:
+    def _left_out(self, out: set[int], untouchable: dict[int, list[str]]) -> Iterator[str]:
         yield from (f"body {self._bodies[b]}" for b in sorted(out))
         for names in untouchable.values():
             yield from (f"geom {name}, which nothing touches" for name in names)

@@ -73,7 +73,7 @@ def _model_file(uri: str, file: Path, packages: Packages, entry: str) -> Path:
     if not uri:
         raise EntryError(file, "an <include> has no <uri>")
     if uri.startswith(("http://", "https://")):
-        what = "is not fetched: download the model, and tell the folder above it, packages=[...]"
+        what = "is not fetched: download the model, and give the folder above it, packages=[...]"
         raise EntryError(file, what, entry)
     here = Places.of(packages, file)
     for name in ("model.config", "manifest.xml"):

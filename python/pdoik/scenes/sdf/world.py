@@ -78,14 +78,14 @@ def read_sdf(file: Path, asked: Asked) -> World:
         if each.pieces
     ]
     actors = [f"actor {each.get('name', '')}" for each in scope.element.findall("actor")]
-    told = [f"model {name}" for name in names if name in out]
-    told += [name for each in kept for name in each.untouchable]
+    out_names = [f"model {name}" for name in names if name in out]
+    out_names += [name for each in kept for name in each.untouchable]
     shapes = [name for thing in things for name in thing.shape_names]
     may_touch = _allowed(things, kept, own, asked.own)
     return World(
         things=tuple(things),
         contacts=tuple(rules_of_pairs(may_touch, shapes)),
-        left_out=(*told, *actors),
+        left_out=(*out_names, *actors),
     )
 
 
@@ -180,7 +180,7 @@ def _base(scope: Scope, own: list[_Model], asked: Asked, file: Path) -> FloatArr
         raise EntryError(
             file,
             f"the robot, model {model.scope.name}, has no link or frame {base_link!r}, its base"
-            f" link: tell what that is, frame='{model.scope.name}::LINK'",
+            f" link: say what that is, frame='{model.scope.name}::LINK'",
         )
     return model.T_world_model @ model.scope.pose_of(base_link)
 

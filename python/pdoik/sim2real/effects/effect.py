@@ -73,12 +73,12 @@ class Effect(ABC):
     against: ClassVar[Axis] = "speed"  # what its curve is drawn over
     example: ClassVar[Example | None] = None  # figures to try it with
 
-    # What else looks like it, and what tells them apart.
+    # What else looks like it, and what distinguishes them.
     confused_with: ClassVar[tuple[str, ...]] = ()
     decided_by: ClassVar[str] = ""
     instead: ClassVar[tuple[str, ...]] = ()  # not where one of these was found at the joint
     one_of: ClassVar[str] = ""  # kind of law of which a joint has one
-    complexity: ClassVar[float] = 1  # simpler effects go first where data cannot tell
+    complexity: ClassVar[float] = 1  # simpler effects go first where data cannot decide
 
     # What is believed of it before the data are looked at.
     odds: ClassVar[float] = 0.02  # probability that a machine has it, at one place
@@ -91,7 +91,7 @@ class Effect(ABC):
     costly: ClassVar[bool] = False  # only tried where a joint's balances leave something
     per_joint_moving: ClassVar[bool] = True  # a joint that never moves cannot show it
     gated: ClassVar[bool] = False  # may act in a part of the time or of the positions only
-    ordinary: ClassVar[bool] = False  # every machine's joints may have some: weighed as a set
+    ordinary: ClassVar[bool] = False  # every machine's joints may have some: compared as a set
     of_floating_base: ClassVar[bool] = False  # nothing that stands fixed can show it
     together: ClassVar[bool] = False  # its joints are one place, not one each
 
@@ -106,7 +106,7 @@ class Effect(ABC):
     shared: ClassVar[bool] = False  # one cause where several joints' figures agree
 
     # How it is simulated and predicted.
-    simulated_rivals: ClassVar[tuple[str, ...]] = ()  # names that a simulation tells from it
+    simulated_rivals: ClassVar[tuple[str, ...]] = ()  # names that a simulation rules out
     shown_poorly: ClassVar[bool] = False  # by its columns: simulate before it is believed
     makes_up_for_misfit: ClassVar[bool] = False  # of what is shown poorly, in a regression
     refined: ClassVar[bool] = True  # its figures by simulations
@@ -122,7 +122,7 @@ class Effect(ABC):
 
     @property
     def words(self) -> str:
-        """Its name in words."""
+        """Name of the effect in words."""
         return self.name or self.id.replace("_", " ")
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
@@ -138,7 +138,7 @@ class Effect(ABC):
         """What the effect adds per unit of its coefficients, at the motion's rate."""
 
     def unit_of(self, name: str) -> str:
-        """Of one of the figures; "-" where it has none."""
+        """Unit of one of the parameters; "-" where it has none."""
         return next((each.unit for each in self.parameters if each.name == name), "-")
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
@@ -234,7 +234,7 @@ class Effect(ABC):
         return None
 
     def log_prior(self, shape: Shape) -> float:
-        """Of the nonlinear parameters, beside that of the likeliest; 0: all are as likely."""
+        """Log prior of the nonlinear parameters, relative to the likeliest; 0: all alike."""
         return 0.0
 
     def beneath(self, motion: Motion, place: Place) -> FloatArray | None:
@@ -250,7 +250,7 @@ class Effect(ABC):
         return True
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
-        """Whether it is too small for the recordings' sampling to tell."""
+        """Whether it is too small for the recordings' sampling to show."""
         return False
 
     def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:

@@ -10,7 +10,7 @@ from ..simulation import Part
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """Of one finding; `site["level"]` is a parameter, which must be there."""
+    """Where one finding is, and its values; `site["level"]` is a parameter, which must exist."""
 
     joints: tuple[str, ...] = ()  # it acts on each; of a coupling the moved one, then its motor's
     links: tuple[str, ...] = ()

@@ -171,7 +171,7 @@ class Unknown(Effect):
         return {name: _knot(values, k, len(names)) for k, name in enumerate(names)}
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         name = VARIABLES[int(values["variable"])]
         on = {
             "other position": "another joint's position",

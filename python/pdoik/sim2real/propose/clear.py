@@ -70,7 +70,7 @@ class Clear:
         return bool(self.solver.judge(*self._goal(self._rest)).self_distance < np.inf)
 
     def at(self, q: FloatArray) -> Verdict:
-        """Of one configuration of the study's joints, (n,)."""
+        """Verdict of one configuration of the study's joints, (n,)."""
         return self._at_time(q, 0.0)
 
     def along(self, path: Path, period: float = _SAMPLES) -> Verdict:

@@ -35,7 +35,7 @@ class Design:
     prospects: tuple[Prospect, ...]
     figures: tuple[Figure, ...] = ()  # of all joints, where these are what is asked
     looked_at: int = 1  # motions
-    hopeless: frozenset[Pair] = frozenset()  # pairs that none of these tells apart
+    hopeless: frozenset[Pair] = frozenset()  # pairs that none of these distinguishes
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,7 +49,7 @@ class Bounds:
     clear: Clear | None
 
     def made(self, drawn: Path, *, costly: bool = False) -> Design | None:
-        """A path within all limits, weighed; None where shrinking does not help."""
+        """A path within all limits, with what it would show; None where shrinking does not help."""
         if self.clear is not None and self.predict.may_be_led:
             drawn = self.clear.fitted(drawn, self.frame.start)
         for _ in range(_SHRINKS):
@@ -116,7 +116,7 @@ def designed(
 
 @dataclass(kw_only=True, eq=False)
 class _Ranking:
-    """The best motions so far, by what is not hopeless: pairs that no planned recipe tells."""
+    """The best motions so far, by what is not hopeless: pairs no planned recipe distinguishes."""
 
     weigher: Weigher
     best: list[tuple[float, Recipe, Design]] = field(default_factory=list)
@@ -124,7 +124,7 @@ class _Ranking:
     clearest: dict[Pair, float] = field(default_factory=dict)
 
     def score(self, design: Design) -> float:
-        """Of one."""
+        """Score of one design; higher is better."""
         if not self.weigher.questions:
             return known_better(design.figures)
         return self.weigher.score(design.prospects, self.hopeless)
@@ -132,7 +132,7 @@ class _Ranking:
     def add(self, recipe: Recipe, design: Design, *, first: bool) -> bool:
         """Whether a motion is the best so far; `first` for one of the planned recipes."""
         found = [*self.best, (0.0, recipe, design)]
-        if first:  # as different as can be: what none of them tells apart, no motion does
+        if first:  # as different as can be: what none of them distinguishes, no motion does
             self.hopeless = hopeless_of([each.prospects for _, _, each in found])
         self.note(design)
         scored = [(self.score(each), name, each) for _, name, each in found]
@@ -141,7 +141,7 @@ class _Ranking:
         return scored[0][2] is design
 
     def note(self, design: Design) -> None:
-        """How clearly a motion tells apart what the diagnosis lists side by side."""
+        """Note how clearly a motion distinguishes what the diagnosis lists together."""
         for prospect in design.prospects:
             for each in prospect.rivalries:
                 if each.listed:

@@ -1,6 +1,6 @@
 """Motions to choose from: sums of sines, strokes to and fro at many speeds, quick moves and stops.
 
-What tells effects apart differs: friction needs reversals, small and large, slow and fast; bodies
+What distinguishes effects differs: friction needs reversals, small and large, slow and fast; bodies
 need wide and quick motion of several joints; play and elasticity need quick stops. A recipe puts
 such parts one after the other around a pose; every part is drawn from a seed of its own, so that a
 better recipe is found by drawing one part anew.
@@ -66,7 +66,7 @@ class Frame:
 
 
 def first_recipes(rng: np.random.Generator) -> list[Recipe]:
-    """What is known to tell: strokes of one size after another, then of two kinds in turn."""
+    """Motions known to serve: strokes of one size after another, then of two kinds in turn."""
 
     def part(kind: Kind, reach: float, pace: float = 0.6) -> Part:
         return Part(kind=kind, seed=_seed(rng), share=1.0, pace=pace, reach=reach, alone=False)
@@ -148,11 +148,11 @@ def pose_of(recipe: Recipe, frame: Frame) -> FloatArray:
 
 
 def _there_and_back(pose: FloatArray, frame: Frame, count: int) -> tuple[FloatArray, int]:
-    """From the start to the pose, and back at the end; and how many rows either takes."""
-    limits, way = frame.limits, np.abs(pose - frame.start)
+    """Path from the start to the pose, and back at the end; and how many rows either takes."""
+    limits, distance = frame.limits, np.abs(pose - frame.start)
     # The quintic's largest speed is 15/8 of its mean, its largest acceleration 5.78 of D / T^2.
-    by_speed = float(np.max(15 / 8 * way / (_TO_POSE * limits.speed)))
-    by_rate = float(np.max(np.sqrt(5.78 * way / (_TO_POSE * limits.acceleration))))
+    by_speed = float(np.max(15 / 8 * distance / (_TO_POSE * limits.speed)))
+    by_rate = float(np.max(np.sqrt(5.78 * distance / (_TO_POSE * limits.acceleration))))
     needed = min(max(by_speed, by_rate, 0.3), 0.3 * frame.duration)
     rest, rows = round(REST / STEP), round(needed / STEP)
     s = np.linspace(0.0, 1.0, rows)
@@ -231,9 +231,9 @@ def _strokes(
     rate: FloatArray,
     stuck: FloatArray,
 ) -> FloatArray:
-    """To and fro, every stroke with a speed of its own, up to six times slower than `speed`.
+    """Path (rows, n) to and fro, each stroke with its own speed, down to a sixth of `speed`.
 
-    A part has strokes of one order of length, `reach`: what small ones tell, large ones drown. Each
+    A part has strokes of one order of length, `reach`: what small ones show, large ones drown. Each
     is longer by what friction takes of it, which is passed quickly.
     """
     path, n = np.zeros((rows, len(speed))), len(speed)
@@ -255,31 +255,31 @@ def _strokes(
 
 
 def _stroke(length: float, pace: float, rate: float) -> FloatArray:
-    """From 0 to a length with a trapezoid of speed, on the grid of a path."""
+    """Positions from 0 to a length with a trapezoid of speed, on the grid of a path."""
     pace = min(pace, float(np.sqrt(rate * max(length, 1e-6))))
     ramp = pace / rate
     whole = ramp + length / pace
     rows = max(round(whole / STEP), 2)
     t = np.linspace(0.0, whole, rows)
     speed = np.clip(np.minimum(t, whole - t) / ramp, 0.0, 1.0)
-    way = np.cumsum(speed)
-    return np.asarray(length * way / way[-1], dtype=np.float64)
+    travelled = np.cumsum(speed)
+    return np.asarray(length * travelled / travelled[-1], dtype=np.float64)
 
 
 def _moves(
     rng: np.random.Generator, rows: int, speed: FloatArray, reach: FloatArray, rate: FloatArray
 ) -> FloatArray:
-    """From pose to pose with a short rest at each, all joints together or half of them."""
+    """Path (rows, n) from pose to pose, resting shortly at each, of all joints or half of them."""
     n = len(speed)
     path, row, here = np.zeros((rows, n)), 0, np.zeros(n)
     while row < rows:
         goal = rng.uniform(-1.0, 1.0, n) * reach
         if rng.random() < 0.3:
             goal = np.where(rng.random(n) < 0.5, goal, here)
-        way = np.abs(goal - here)
+        distance = np.abs(goal - here)
         # With ramps of a fifth the speed is 1.25 D / T, the acceleration 6.25 D / T^2.
-        by_rate = float(np.max(np.sqrt(6.25 * way / (_RAMP * rate))))
-        needed = max(float(np.max(1.25 * way / speed)), by_rate, 0.3)
+        by_rate = float(np.max(np.sqrt(6.25 * distance / (_RAMP * rate))))
+        needed = max(float(np.max(1.25 * distance / speed)), by_rate, 0.3)
         count = max(round(needed / STEP), 2)
         t = np.linspace(0.0, 1.0, count)
         pace = np.cumsum(np.clip(np.minimum(t, 1.0 - t) / 0.2, 0.0, 1.0))

@@ -14,7 +14,7 @@ from ..thresholds import Thresholds
 Pair = tuple[str, str]  # a finding and its rival, in words
 
 NOTHING = 1.0
-"""Log likelihood ratio that tells nothing."""
+"""Log likelihood ratio that says nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +29,7 @@ class Rivalry:
     listed: bool  # by the diagnosis as explaining the same
     if_own: float  # ratio where the finding is true
     if_rival: float  # ratio where the rival is true; inf where its figures are not known
-    level: float  # log odds within which the diagnosis lists the other beside the true one
+    level: float  # log odds within which the diagnosis lists the other together with the true one
 
     @property
     def ratio(self) -> float:
@@ -48,14 +48,14 @@ class Prospect:
 
     finding: str  # in words
     why: str  # what is open
-    confidence_before: float  # as stated, shared with the names that are listed beside it
+    confidence_before: float  # as stated, shared with the names that are listed with it
     gain: float  # share of what is left that it explains where it acts
     rivalries: tuple[Rivalry, ...]
     confidence: float  # expected after, on the careful side
 
     @property
     def ratio(self) -> float:
-        """Of the rival that is told least well; inf without any."""
+        """Ratio of the rival that is distinguished least well; inf without any."""
         return min((each.ratio for each in self.rivalries), default=np.inf)
 
 
@@ -65,18 +65,18 @@ def clarity(
     """How far a motion settles a finding: 1 for just so, the least and the mean of its parts.
 
     What is more than enough counts by its logarithm. What is only often confused with the finding
-    counts in the mean, and what no motion tells from it counts nowhere.
+    counts in the mean, and what no motion distinguishes from it counts nowhere.
     """
     asked = limits.propose
     seen = _odds(prospect.gain) / _odds(asked.gain)
-    told = [each for each in prospect.rivalries if (prospect.finding, each.rival) not in hopeless]
-    parts = np.log2(1.0 + np.array([seen, *(each.ratio / asked.decisive for each in told)]))
-    listed = np.array([True, *(each.listed for each in told)])
+    open_ = [each for each in prospect.rivalries if (prospect.finding, each.rival) not in hopeless]
+    parts = np.log2(1.0 + np.array([seen, *(each.ratio / asked.decisive for each in open_)]))
+    listed = np.array([True, *(each.listed for each in open_)])
     return float(parts[listed].min()), float(parts.mean())
 
 
 def hopeless_of(motions: Sequence[tuple[Prospect, ...]]) -> frozenset[Pair]:
-    """Pairs that none of many motions tells apart: a rotor, and a link's inertia about its axis."""
+    """Pairs that no motion distinguishes: a rotor, and a link's inertia about its axis."""
     best: dict[Pair, float] = {}
     for prospects in motions:
         for prospect in prospects:
@@ -89,7 +89,7 @@ def hopeless_of(motions: Sequence[tuple[Prospect, ...]]) -> frozenset[Pair]:
 def expected_confidence(
     support: Support | None, rivalries: tuple[Rivalry, ...], limits: Thresholds
 ) -> float:
-    """Of a name: that it is there, times the odds against every other name.
+    """Confidence of a name: that it is there, times the odds against every other name.
 
     Ratios are held to fall short by `propose.doubt` of their standard deviations: a log ratio of
     mean m has a variance of 2 m. A rival that stays level counts as likely as the finding.

@@ -10,7 +10,7 @@ import numpy as np
 from ..identify import OF_JOINTS, Model
 
 Information = Mapping[tuple[str, int], float]
-"""Of each figure of a joint, what rows say beyond what was believed: an inverse variance."""
+"""What rows say of each parameter of a joint beyond its prior: an inverse variance."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +29,7 @@ class Figure:
 
 
 def information(model: Model) -> Information:
-    """Of the joints' figures, with all else open: bodies, sensors, other joints' figures."""
+    """Information on the joints' parameters, with bodies, sensors and other joints open."""
     variances = model.variances
     return {
         (each.term.effect, each.term.place.joints[0]): max(
@@ -41,14 +41,14 @@ def information(model: Model) -> Information:
 
 
 def figures(model: Model, more: Model, joints: Sequence[str]) -> tuple[Figure, ...]:
-    """Of every joint's figures that recordings' rows are of.
+    """Errors of every joint's parameters that recordings have rows for, before and after.
 
     Args:
         model: of the recordings.
         more: of a motion's rows.
         joints: by name.
     """
-    told, found = information(more), []
+    added, found = information(more), []
     for each, span in model.placed:
         key = each.term.effect, each.term.place.joints[0] if each.term.place.joints else -1
         if not each.ordinary or each.term.effect not in OF_JOINTS:
@@ -59,7 +59,7 @@ def figures(model: Model, more: Model, joints: Sequence[str]) -> tuple[Figure, .
                 effect=each.term.effect,
                 joint=joints[key[1]],
                 before=before**-0.5,
-                after=(before + told.get(key, 0.0)) ** -0.5,
+                after=(before + added.get(key, 0.0)) ** -0.5,
             )
         )
     return tuple(found)

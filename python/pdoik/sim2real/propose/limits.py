@@ -13,14 +13,14 @@ from pdoik.recordings import FloatArray
 
 from .path import Path as JointPath
 
-_TO_FULL_SPEED = 0.4  # in which a joint reaches its speed limit where no acceleration is told [s]
+_TO_FULL_SPEED = 0.4  # in which a joint reaches its speed limit where no acceleration is given [s]
 _MARGIN = 0.03  # of a joint's range that is left free at either end
 _HALF_TURN = np.pi  # of a joint without position limits, from where it starts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Limits:
-    """Of every joint, (n,) each."""
+    """Limits of every joint, (n,) each."""
 
     lower: FloatArray  # [rad], [m]
     upper: FloatArray
@@ -88,14 +88,14 @@ def limits_of(
         robot: text of a URDF or an MJCF.
         joints: by name, in the study's order.
         start: (n,) around which a joint without position limits may turn by half a turn.
-        speed: of every joint that the description tells none of [rad/s].
-        torque: of every joint that the description tells none of [N m].
+        speed: of every joint that the description gives none for [rad/s].
+        torque: of every joint that the description gives none for [N m].
 
     Raises:
-        ValueError: a limit is told nowhere; the message says of which joint and by which option.
+        ValueError: a limit is given nowhere; the message says of which joint and by which option.
     """
-    told = _told(robot)
-    rows = [told.get(joint, _Told()) for joint in joints]
+    described = _described(robot)
+    rows = [described.get(joint, _OfJoint()) for joint in joints]
     fastest = _filled([row.speed for row in rows], speed, "speed", "--max-speed", joints)
     strongest = _filled([row.torque for row in rows], torque, "torque", "--max-torque", joints)
     lower = np.array([row.lower for row in rows])
@@ -113,7 +113,7 @@ def limits_of(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Told:
+class _OfJoint:
     lower: float = -np.inf
     upper: float = np.inf
     speed: float = 0.0  # 0: none
@@ -123,29 +123,29 @@ class _Told:
 def _filled(
     values: list[float], given: float | None, what: str, option: str, joints: Sequence[str]
 ) -> FloatArray:
-    told = np.array([value if np.isfinite(value) else 0.0 for value in values])
-    missing = [joint for joint, value in zip(joints, told, strict=True) if value <= 0.0]
+    known = np.array([value if np.isfinite(value) else 0.0 for value in values])
+    missing = [joint for joint, value in zip(joints, known, strict=True) if value <= 0.0]
     if missing and given is None:
         raise ValueError(
-            f"the robot's description has no {what} limit of {', '.join(missing)}: tell it with"
+            f"the robot's description has no {what} limit of {', '.join(missing)}: give it with"
             f" {option}"
         )
     if given is not None and not 0.0 < given < np.inf:
         raise ValueError(f"{option} is {given:g}, expected more than 0")
-    return np.where(told > 0.0, told, 0.0 if given is None else given)
+    return np.where(known > 0.0, known, 0.0 if given is None else given)
 
 
-def _told(robot: str) -> Mapping[str, _Told]:
+def _described(robot: str) -> Mapping[str, _OfJoint]:
     root = ElementTree.fromstring(robot)
     if root.tag == "robot":
         return {joint.get("name", ""): _of_urdf(joint) for joint in root.findall("joint")}
     return _of_mjcf(robot)
 
 
-def _of_urdf(joint: ElementTree.Element) -> _Told:
+def _of_urdf(joint: ElementTree.Element) -> _OfJoint:
     limit = joint.find("limit")
     if limit is None:
-        return _Told()
+        return _OfJoint()
 
     def number(name: str, otherwise: float) -> float:
         text = limit.get(name)
@@ -154,13 +154,13 @@ def _of_urdf(joint: ElementTree.Element) -> _Told:
         except ValueError:
             raise LoadError(f"limit of {joint.get('name')}: {name} is {text!r}") from None
 
-    told = _Told(speed=number("velocity", 0.0), torque=number("effort", 0.0))
+    found = _OfJoint(speed=number("velocity", 0.0), torque=number("effort", 0.0))
     if joint.get("type") == "continuous":
-        return told
-    return replace(told, lower=number("lower", 0.0), upper=number("upper", 0.0))
+        return found
+    return replace(found, lower=number("lower", 0.0), upper=number("upper", 0.0))
 
 
-def _of_mjcf(robot: str) -> Mapping[str, _Told]:
+def _of_mjcf(robot: str) -> Mapping[str, _OfJoint]:
     """Ranges and ranges of forces; an MJCF knows no speed limits."""
     import mujoco
 
@@ -170,5 +170,5 @@ def _of_mjcf(robot: str) -> Mapping[str, _Told]:
         ranged = bool(model.jnt_limited[k])
         low, high = model.jnt_range[k] if ranged else (-np.inf, np.inf)
         force = float(model.jnt_actfrcrange[k, 1]) if model.jnt_actfrclimited[k] else 0.0
-        found[model.joint(k).name] = _Told(lower=float(low), upper=float(high), torque=force)
+        found[model.joint(k).name] = _OfJoint(lower=float(low), upper=float(high), torque=force)
     return found

@@ -16,7 +16,7 @@ _ROUNDING = 0.04  # of corners: half the width of the window that they are round
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Path:
-    """From rest to rest. Arrays are (T, n), T rows STEP apart."""
+    """A motion from rest to rest. Arrays are (T, n), T rows STEP apart."""
 
     q: FloatArray
     dq: FloatArray
@@ -24,7 +24,7 @@ class Path:
 
     @property
     def time(self) -> FloatArray:
-        """Of the rows, from 0 [s]."""
+        """Times of the rows, (T,), from 0 [s]."""
         return np.asarray(STEP * np.arange(len(self.q)), dtype=np.float64)
 
     @property
@@ -34,7 +34,7 @@ class Path:
 
     @property
     def curve(self) -> CubicSpline:
-        """Through the rows, at rest at both ends."""
+        """Spline through the rows, at rest at both ends."""
         return CubicSpline(self.time, self.q, bc_type="clamped")
 
     def toward(self, start: FloatArray, share: float) -> Path:
@@ -57,7 +57,7 @@ def path_of(q: FloatArray) -> Path:
 
 
 def _rounded(q: FloatArray) -> FloatArray:
-    """Through a Hann window twice, so that accelerations are continuous; ends stay."""
+    """Rows passed through a Hann window twice, so that accelerations are continuous; ends stay."""
     half = max(1, round(_ROUNDING / STEP))
     window = np.hanning(2 * half + 3)[1:-1]
     window /= window.sum()

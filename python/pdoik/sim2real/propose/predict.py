@@ -28,11 +28,11 @@ class Sticking:
     level: FloatArray  # of the friction [N m]
     kp: FloatArray
     kd: FloatArray
-    knows_speed: bool  # whether the controller is told the speed that is asked for
+    knows_speed: bool  # whether the controller is given the speed that is asked for
 
     @property
     def error(self) -> FloatArray:
-        """By which a joint that stands is off before it moves [rad]."""
+        """Error of a joint that stands, before it moves, (n,) [rad]."""
         return self.level / self.kp
 
     def followed(self, asked: FloatArray) -> FloatArray:
@@ -69,7 +69,7 @@ class Run:
 
 
 class Predict:
-    """Of one study: what is predicted are the channels that its recordings have.
+    """Predictions of one study: what is predicted are the channels that its recordings have.
 
     The base is fixed, or held where it hung: joints are free of one another.
     """
@@ -85,7 +85,7 @@ class Predict:
 
         Args:
             prepared: the study.
-            causes: that are there beside what is asked.
+            causes: that are present besides what is asked.
             like: the recording to fit that the motion is like.
             held: whether a base that floats is, by something whose forces nobody knows.
         """
@@ -106,14 +106,14 @@ class Predict:
         return frame
 
     def run(self, path: Path) -> Run:
-        """Of a path in the coordinates of `frame`."""
+        """Predicted run of a path in the coordinates of `frame`."""
         motion = self.motion(self._recording(path))
         return Run(
             path=path, balances=_Noiseless([motion], self.limits), torque=self.torque(motion)
         )
 
     def motion(self, recording: Recording) -> Motion:
-        """As a recording's is."""
+        """Motion of a predicted recording, made as a recording's is."""
         study, like = self.prepared.study, self._like
         quiet = np.full(self.prepared.fit.n, _QUIET)
         setups = {**study.setups, recording.name: Setup(held=self._held)}
@@ -144,7 +144,7 @@ class Predict:
         return np.zeros(self.prepared.fit.n) if self.sticking is None else self.sticking.error
 
     def _sticking(self) -> Sticking | None:
-        """By the causes' dry friction; None without any, or where no gains are known."""
+        """Sticking by the causes' dry friction; None without any, or where no gains are known."""
         control, level = self.prepared.study.controller, np.zeros(self.prepared.fit.n)
         if control is None or not (control.kp > 0.0).all():
             return None

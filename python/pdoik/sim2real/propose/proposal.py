@@ -37,9 +37,9 @@ class Proposal:
     prospects: tuple[Prospect, ...]
     figures: tuple[Figure, ...]  # of all joints, where these were asked for
     unsettled: tuple[str, ...]  # what no motion settles, in words
-    hopeless: frozenset[Pair]  # findings and what is listed beside them, alike in every motion
+    hopeless: frozenset[Pair]  # findings and the rivals listed with them, alike in every motion
     verdict: Verdict | None  # of obstacles and the robot itself; None: only limits were kept
-    looked_at: int  # motions that were weighed
+    looked_at: int  # motions that were compared
     random: bool  # one motion at random, to compare with
     notes: tuple[str, ...] = ()
 
@@ -87,12 +87,12 @@ class Proposal:
         return text.getvalue()
 
     def save(self, path: str | File) -> tuple[File, File]:
-        """Write the CSV, and what is expected of it as JSON beside it; gives both paths."""
+        """Write the CSV, and what is expected of it as JSON next to it; returns both paths."""
         file = File(path)
-        beside = file.with_suffix(".json")
-        write_whole(beside, self.to_json())
+        expected = file.with_suffix(".json")
+        write_whole(expected, self.to_json())
         write_whole(file, self.to_csv())
-        return file, beside
+        return file, expected
 
 
 def _finite(content: Any) -> Any:

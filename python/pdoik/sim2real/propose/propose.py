@@ -1,4 +1,4 @@
-"""From a report to the next motion: `pdoik propose` in Python."""
+"""Proposes the next motion from a report: `pdoik propose` in Python."""
 
 from __future__ import annotations
 
@@ -91,12 +91,12 @@ def _read(report: File) -> tuple[Diagnosis, Model]:
 
 
 def _study_file(model: Model, wishes: Wishes) -> File:
-    told = wishes.study or (None if model.study is None else File(model.study))
-    if told is None:
-        raise LoadError("the report does not say of which study it is: tell it with --study")
-    if not told.is_file():
-        raise LoadError(f"the study is not at {told} any more: tell where it is with --study")
-    return told
+    file = wishes.study or (None if model.study is None else File(model.study))
+    if file is None:
+        raise LoadError("the report does not say of which study it is: give it with --study")
+    if not file.is_file():
+        raise LoadError(f"the study is not at {file} any more: give its place with --study")
+    return file
 
 
 def _causes(
@@ -125,13 +125,13 @@ def _check_start(bounds: Bounds) -> None:
     if load[j] > 1.0:
         raise ValueError(
             f"{predict.prepared.study.joints[j]} needs more torque to stand at the start than the"
-            " limits allow: tell another start with --start"
+            " limits allow: give another start with --start"
         )
     if bounds.clear is not None:
         there = bounds.clear.at(start)
         if there.short():
             raise ValueError(
-                f"the start is not clear ({there.worst}): tell another with --start, or take what"
+                f"the start is not clear ({there.worst}): give another with --start, or take what"
                 " is too near out of the cloud"
             )
 
@@ -160,13 +160,13 @@ def _found(bounds: Bounds, wishes: Wishes, say: Tell) -> Design:
             " use --base hang"
         )
     raise ValueError(
-        "no motion from this start holds all limits: tell another start with --start, or larger"
+        "no motion from this start holds all limits: give another start with --start, or larger"
         " shares of the limits"
     )
 
 
 def _hopeless(design: Design) -> frozenset[Pair]:
-    """Findings and what is listed beside them, and would be after every motion looked at."""
+    """Findings and the rivals listed with them, that would be after every motion looked at."""
     listed = {(p.finding, r.rival) for p in design.prospects for r in p.rivalries if r.listed}
     return design.hopeless & listed
 
@@ -179,7 +179,7 @@ def _side_by_side(pairs: Iterable[Pair]) -> tuple[str, ...]:
 
 
 def _check_hope(questions: Iterable[Question], design: Design) -> None:
-    """Nobody should run a motion for what no motion tells."""
+    """Nobody should run a motion for what no motion distinguishes."""
     hopeless = _hopeless(design)
     for question, prospect in zip(questions, design.prospects, strict=False):
         rivals = {(prospect.finding, each.rival) for each in prospect.rivalries if each.listed}
@@ -189,7 +189,7 @@ def _check_hope(questions: Iterable[Question], design: Design) -> None:
 
 
 def _judged(clear: Clear | None, path: Path) -> Verdict | None:
-    """Of dense samples, once more."""
+    """Verdict of dense samples, once more; None without a scene."""
     if clear is None:
         return None
     verdict = clear.along(path)

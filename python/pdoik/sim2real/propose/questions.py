@@ -41,7 +41,7 @@ class Cause:
         return self.effect.costly
 
     def columns(self, balances: Balances) -> dict[Key, FloatArray]:
-        """Of each coefficient, (N, k) by key, those of several places side by side."""
+        """Columns of each coefficient, (N, k) by key, those of several places side by side."""
         found = [balances.columns(self.effect, place, self.shape) for place in self.places]
         widths = [next((c.shape[1] for c in each.values()), 0) for each in found]
         ends = np.cumsum([0, *widths])
@@ -84,7 +84,7 @@ def open_findings(diagnosis: Diagnosis) -> tuple[Finding, ...]:
     """What is suspected, and findings that list equivalents or are less sure than is enough.
 
     What is listed as another name of the same body, a payload in the hand and an error of the
-    hand, is told apart by no motion: it is no equivalent here.
+    hand, is distinguished by no motion: it is no equivalent here.
     """
     found = [
         replace(each, equivalents=tuple(e for e in each.equivalents if not _one_body(each, e)))
@@ -179,7 +179,7 @@ def standing(questions: Iterable[Question], prepared: Prepared) -> tuple[Questio
     """What every joint has, and is confused with, at the joints in question.
 
     Where a name turns out to be another one's, these would be open next. Each is as large as what
-    the recordings show of the joint's torque beside the model.
+    the recordings show of the joint's torque that the model leaves unexplained.
     """
     b = prepared.fit
     joints = sorted({j for q in questions for place in q.own.places for j in place.joints})
@@ -235,7 +235,7 @@ def _indices(place: Place) -> tuple[int, ...]:
 
 
 def _always(place: Place) -> Place:
-    """Without a window of time, which no other motion has."""
+    """Place without a window of time, which no other motion has."""
     if place.gate is not None and place.gate.of != "position":
         place = replace(place, gate=None)
     return replace(place, recording=None, window=None)

@@ -106,7 +106,7 @@ def _reaching(
         if not whole.lower[j] <= start[j] <= whole.upper[j]:
             raise ValueError(
                 f"the motion would start with {joints[j]} at {start[j]:.3g}, outside of"
-                f" {whole.lower[j]:.3g} to {whole.upper[j]:.3g}: tell another start with --start"
+                f" {whole.lower[j]:.3g} to {whole.upper[j]:.3g}: give another start with --start"
             )
     lower, upper = np.minimum(limits.lower, start), np.maximum(limits.upper, start)
     return Limits(

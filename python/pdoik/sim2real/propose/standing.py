@@ -36,7 +36,7 @@ _BEGIN = 20  # rows of a recording that say how the robot stands
 
 
 class Standing(Predict):
-    """Of one study whose robot stands on its feet."""
+    """Predictions of one study whose robot stands on its feet."""
 
     may_be_led = False
     note = "the robot must stand on its feet: the motion was run in MuJoCo, and it stayed up"
@@ -61,7 +61,7 @@ class Standing(Predict):
         self._places = base[:3] + turn.apply(feet)  # (feet, 3) in the world
 
     def _deflection(self) -> FloatArray:
-        """By which what is sent differs from where the joints stand, (n,) [rad]."""
+        """Difference of what is sent from where the joints stand, (n,) [rad]."""
         begun, control = self._like.recording, self.prepared.study.controller
         if begun.q_des is not None:
             return np.asarray(np.mean((begun.q_des - begun.q)[:_BEGIN], axis=0))

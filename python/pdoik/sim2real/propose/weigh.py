@@ -1,7 +1,7 @@
 """What a motion is expected to say of each question, by the kernel's model of what it would show.
 
 For a cause A that is true and a rival B, what A adds along the motion is fitted by B, whatever its
-figures and of several shapes, with all that is ordinary beside it, the other findings, and bodies
+figures and of several shapes, with all that is ordinary, the other findings, and bodies
 within the user's trust; see `identify.predicted`. So it is with B true and A fitted. The recordings
 themselves count, too: little, but they are there afterwards.
 """
@@ -34,14 +34,14 @@ from .expected import Pair, Prospect, Rivalry, clarity, expected_confidence
 from .figures import Figure, figures
 from .questions import Cause, Option, Question, said, standing
 
-_OF_THE_MEAN = 0.2  # what the mean clarity counts beside the least
+_OF_THE_MEAN = 0.2  # what the mean clarity counts relative to the least
 _KNOWN = 9.0  # decrease of the cost in the recordings from which a rival's figures are known
 _SHAPES = 4  # of a rival that are tried
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rival:
-    """What may be there instead, with its figures where the recordings tell them."""
+    """What may be there instead, with its figures where the recordings give them."""
 
     cause: Cause
     listed: bool
@@ -49,7 +49,7 @@ class Rival:
 
 
 class Weigher:
-    """Of one study and its questions."""
+    """Likelihood ratios of one study's questions."""
 
     def __init__(
         self, prepared: Prepared, questions: Sequence[Question], causes: Sequence[Cause]
@@ -63,8 +63,8 @@ class Weigher:
         """
         self.prepared, self.questions, self.causes = prepared, tuple(questions), tuple(causes)
         self.limits = prepared.study.thresholds
-        told = prepared.study.trust.rigid_body
-        self._bodies = self.limits.priors.bodies if told is None else told
+        trusted = prepared.study.trust.rigid_body
+        self._bodies = self.limits.priors.bodies if trusted is None else trusted
         fit = prepared.fit
         self._recorded = recorded(fit, self._bodies, _hypotheses(fit, self.causes))
         self.noise = Noise.of(self._recorded)
@@ -83,7 +83,7 @@ class Weigher:
                     self._before[pair[0].key, pair[1].key] = self._ratio(self._recorded, fit, *pair)
 
     def _unknown(self, option: Option) -> Rival | None:
-        """Of an option whose figures nobody knows; None where no recording could show it."""
+        """Rival of an option whose figures nobody knows; None where no recording could show it."""
         places = option.places[0]
         shapes = option.effect.asked(self.prepared.fit.motions, places[0])
         if not shapes:
@@ -96,7 +96,7 @@ class Weigher:
     def _alike(self, own: Cause) -> tuple[Cause, ...]:
         """A cause with the shapes that explain the recordings as well: its own, and the extremes.
 
-        Slow motion may not tell how sharply friction turns; another motion must not rely on it.
+        Slow motion may not show how sharply friction turns; another motion must not rely on it.
         """
         if own.effect.costly or own.effect.fixed or not own.shape:
             return (own,)
@@ -135,7 +135,7 @@ class Weigher:
         return found, found.coefficients[whole.span(hypothesis)]
 
     def prospects(self, balances: Balances, *, costly: bool = True) -> tuple[Prospect, ...]:
-        """Of each question along a predicted motion; then of what stands, which has no `why`.
+        """Prospects of each question along a predicted motion; then of what stands, without `why`.
 
         Args:
             balances: of the motion.
@@ -180,13 +180,13 @@ class Weigher:
             if costly or not (rival.cause.is_costly or own.is_costly)
         )
         hypothesis = hypothesis_of(balances, own)
-        beside = all_else(model, (own.effect.id, own.places))
+        background = all_else(model, (own.effect.id, own.places))
         if hypothesis is None:  # nothing of it shows
             support = None
         else:
             beta = np.tile(own.beta, len(own.places))[: hypothesis.width]
             believed = float(hypothesis.precision @ beta**2)
-            made = expected(beside, own.contribution(balances), hypothesis, believed, limits)
+            made = expected(background, own.contribution(balances), hypothesis, believed, limits)
             support = made.support(1.0, limits.propose.doubt)
         return Prospect(
             finding=own.words,
@@ -262,7 +262,7 @@ class Weigher:
         return said(option.effect, joints, links)
 
     def _target(self, own: Cause) -> dict[Key, FloatArray]:
-        """What recordings show beside all causes but one, (N,) for each key."""
+        """Residual of the recordings without all other causes, (N,) for each key."""
         fit = self.prepared.fit
         target = {key: values.copy() for key, values in fit.residual.items()}
         for cause in self.causes:

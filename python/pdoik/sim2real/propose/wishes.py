@@ -12,7 +12,7 @@ from pdoik.recordings import FloatArray
 from .clear import Clear
 
 SHORTEST = 5.0
-"""Of a motion [s]: less leaves no room to go somewhere and back."""
+"""Shortest duration of a motion [s]: less leaves no room to go somewhere and back."""
 
 _EFFORT = 400  # motions that are looked at
 _SEARCH = 60.0  # that the search takes at most [s]

@@ -11,7 +11,7 @@ from pdoik.recordings import FloatArray, Role
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Traces:
-    """A recording beside the model, before and after the findings.
+    """A recording and the model's prediction, before and after the findings.
 
     Arrays are (T, n) in the order of the joints; NaN where nothing is known. A residual is measured
     minus predicted, both through the same filter.
@@ -63,7 +63,7 @@ class RegimeMap:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Replay:
-    """Simulation of a recording's commands, beside what the machine did."""
+    """Simulation of a recording's commands, and what the machine did."""
 
     recording: str
     time: FloatArray  # (T,) [s]
@@ -150,11 +150,11 @@ class ReportData:
         return (*held_out, *some)
 
     def position_unit(self, joint: int) -> str:
-        """Of joint number `joint`: rad or m."""
+        """Unit of position of joint number `joint`: rad or m."""
         return self.position_units[joint] if self.position_units else "rad"
 
     def load_unit(self, joint: int) -> str:
-        """Of joint number `joint`: N m, or N if it slides."""
+        """Unit of load of joint number `joint`: N m, or N if it slides."""
         return "N" if self.position_unit(joint) == "m" else "N m"
 
 

@@ -9,7 +9,7 @@ from pdoik.sim2real.findings import Diagnosis, Finding
 
 from .words import effect_name, estimate_numbers, number, place
 
-_SURE = 0.95  # a confidence that a table need not tell
+_SURE = 0.95  # a confidence that a table need not show
 _SHARED = 2  # joints with an effect, from which it is a column
 
 

@@ -1,4 +1,4 @@
-"""One picture that tells the report: verdict, residuals, the finding's curve, the scores."""
+"""One picture that sums up the report: verdict, residuals, the finding's curve, the scores."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
     axes = figure.add_subplot(scores[0])
     if data.hypotheses:
         forest(axes, forest_rows(data.hypotheses, 10), width=32)
-        axes.set_xlabel("gain on held-out data beside the rest")
+        axes.set_xlabel("gain on held-out data, given the rest")
         axes.set_title("what was tried")
     else:
         axes.set_axis_off()
@@ -70,7 +70,7 @@ def overview_png(diagnosis: Diagnosis, data: ReportData) -> bytes:
 
 
 def affected_joints(diagnosis: Diagnosis, data: ReportData) -> list[int]:
-    """Numbers of the joints, those with the largest residual beside their noise first."""
+    """Numbers of the joints, those with the largest residual relative to their noise first."""
 
     def key(joint: int) -> tuple[float, float]:
         return -_during(data, joint), _badness(diagnosis, data, joint)
@@ -114,7 +114,7 @@ def curve_findings(diagnosis: Diagnosis, data: ReportData) -> list[Finding]:
 
 
 def _has_part(data: ReportData, number: int, joint: int) -> bool:
-    """Whether a finding moves a joint's residual; unknown where parts are not told one by one."""
+    """Whether a finding moves a joint's residual; unknown where parts are not given one by one."""
     parts = [t.parts[number][:, joint] for t in data.held_out if number < len(t.parts)]
     return not parts or any(bool(np.any(np.nan_to_num(part))) for part in parts)
 

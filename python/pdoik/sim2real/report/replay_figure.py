@@ -1,4 +1,4 @@
-"""The improved simulation beside the recording."""
+"""The improved simulation together with the recording."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def replay_picture(data: ReportData, replay: Replay, index: int) -> Picture:
 
 
 def worst_joint(replay: Replay) -> int:
-    """The joint whose replay before the findings was furthest off, beside how far it moves."""
+    """The joint whose replay before the findings was furthest off, relative to how far it moves."""
     errors = replay.before - replay.recorded
     scores = [
         rms(errors[:, k]) / (float(np.nanstd(replay.recorded[:, k])) + 1e-3)

@@ -20,7 +20,7 @@ LOWEST = -0.35  # scores below are drawn as an arrow
 
 
 def joints_picture(diagnosis: Diagnosis) -> Picture:
-    """Residual of each joint before and after, beside its noise floor."""
+    """Residual of each joint before and after, with its noise floor."""
     fits = diagnosis.joints
     height = 0.85 + 0.40 * max(len(fits), 1)
     figure = Figure(figsize=(10.6, height))
@@ -33,7 +33,7 @@ def joints_picture(diagnosis: Diagnosis) -> Picture:
 
 
 def joint_bars(axes: Axes, fits: dict[str, JointFit], room: float = 1.25) -> None:
-    """From before to after, in multiples of the noise floor; `room` is for the numbers."""
+    """Bars from before to after, in multiples of the noise floor; `room` is for the numbers."""
     names = list(fits)
     rows = np.arange(len(names))[::-1]
     before, after = (
@@ -144,7 +144,7 @@ def _cell(axes: Axes, x: float, y: float, regimes: RegimeMap, i: int, k: int, qu
 
 
 def _strength(share: float, visited: float | None) -> float:
-    """Of the colour: the share itself, or by how much it exceeds that of the time."""
+    """Strength of the colour, 0 to 0.85: the share, or how far it exceeds that of the time."""
     excess = share if visited is None else share / visited - 1
     return 0.85 * min(max(excess, 0.0), 1.0)
 
@@ -160,7 +160,7 @@ def hypotheses_picture(hypotheses: Sequence[Hypothesis]) -> Picture:
     left_out = len(hypotheses) - len(shown)
     rest = f" {left_out} with lower scores are in the table only." if left_out else ""
     caption = (
-        "Hypotheses tried, by what each gains on held-out data beside everything that was found,"
+        "Hypotheses tried, by what each gains on held-out data given everything that was found,"
         f" with 95 % intervals.{rest}"
     )
     return picture(figure, "hypotheses", caption)

@@ -87,14 +87,14 @@ def picture(figure: Figure, name: str, caption: str) -> Picture:
 
 
 def png_of(figure: Figure, dpi: float = DPI) -> bytes:
-    """On white, to stand anywhere."""
+    """PNG on white, to stand anywhere."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi, facecolor="white", metadata={"Software": None})
     return buffer.getvalue()
 
 
 def svg_of(figure: Figure, name: str) -> str:
-    """To stand within a page: without header, ids of its own, the theme's colours.
+    """SVG to stand within a page: without header, ids of its own, the theme's colours.
 
     Numbers are rounded to a hundredth of a point.
     """
@@ -137,5 +137,5 @@ def quiet_legend(axes: Axes, **options: Any) -> None:
 
 
 def short(text: str, length: int = 28) -> str:
-    """No longer than fits beside a figure."""
+    """Text no longer than fits next to a figure."""
     return text if len(text) <= length else f"{text[: length - 1]}…"

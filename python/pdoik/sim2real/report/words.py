@@ -51,12 +51,12 @@ def place(thing: Finding | Equivalent) -> str:
 
 
 def sentence(text: str) -> str:
-    """With a capital first letter."""
+    """Text with a capital first letter."""
     return text[:1].upper() + text[1:]
 
 
 def number(value: float, digits: int = 3) -> str:
-    """To `digits` significant ones; a dash for what is not finite."""
+    """Number to `digits` significant digits; a dash for what is not finite."""
     if not math.isfinite(value):
         return DASH
     if value == 0:
@@ -85,7 +85,7 @@ def estimate_numbers(estimate: Estimate) -> tuple[str, str, str]:
 
 
 def parameters_of(finding: Finding) -> dict[str, Estimate]:
-    """As a reader wants them: of an unnamed torque, its values at the knots."""
+    """Estimates as a reader wants them: of an unnamed torque, its values at the knots."""
     if finding.effect not in CATALOGUE:
         return finding.parameters
     shown = CATALOGUE[finding.effect].shown(finding.values)
@@ -119,7 +119,7 @@ def joint_state(fit: JointFit) -> str:
 
 
 def residue_words(fit: JointFit) -> str:
-    """By which variable the unexplained residual is seen most; "" where a joint is explained."""
+    """Variable that shows the unexplained residual most; "" where a joint is explained."""
     if fit.residue is None:
         return ""
     of = fit.residue
@@ -139,7 +139,7 @@ def suspected_words(diagnosis: Diagnosis) -> str:
 
 
 def changes(finding: Finding, thresholds: Mapping[str, float]) -> dict[str, str]:
-    """By how much figures change from session to session, where that is clear."""
+    """Changes of figures from session to session, in words, where that is clear."""
     said: dict[str, str] = {}
     known = CATALOGUE.get(finding.effect)
     if known is not None and known.sought == "last":

@@ -11,7 +11,7 @@ _SHOWN = 4  # figures of a cause on the terminal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
-    """By how much a parameter has changed."""
+    """Change of a parameter, with its standard deviation."""
 
     value: float
     std: float  # standard error
@@ -34,7 +34,7 @@ class Cause:
         return ", ".join(self.joints or self.links) or "the base"
 
     def __str__(self) -> str:
-        """In a few words."""
+        """The cause in a few words."""
         clear = [pair for pair in self.change.items() if abs(pair[1].value) > 2.0 * pair[1].std]
         shown = [
             f"{name} {each.value:+.3g} +- {each.std:.1g} {each.unit}".rstrip()

@@ -48,7 +48,7 @@ def calibrated(
     runs = [each for each in cut if each is not None]
     names = tuple(each.name for each in recordings)
     if not runs:
-        raise ValueError(f"{', '.join(names)}: too short to tell the residual's floor from")
+        raise ValueError(f"{', '.join(names)}: too short to estimate the residual's floor from")
     rubbing = [residuals.friction(residuals.motion(thinned(each))) for each in recordings]
     friction = np.array([_rms(f) for f in np.concatenate(rubbing).T])
     healthy = _healthy(runs, limits, noise, names, held_out, friction)

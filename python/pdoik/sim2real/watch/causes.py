@@ -1,4 +1,4 @@
-"""Why a machine has changed: hypotheses of the kernel, weighed on the rows since an onset."""
+"""Why a machine has changed: hypotheses of the kernel, compared on the rows since an onset."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class RowsSince:
         charts: Charts,
         thresholds: Thresholds,
     ) -> None:
-        """Of a motion and its residual's rows; joints that are not watched do not count."""
+        """Rows of a motion and its residual; joints that are not watched do not count."""
         made = Balances([motion], thresholds)
         self.time = motion.recording.start + made.time
         self.balances = copy(made)  # in N m, with the rows that count
@@ -120,7 +120,7 @@ class RowsSince:
         """The kernel's, with the noise of the healthy machine, which is known."""
         return Model(self.data, hypotheses, self._healthy, rounds=0)
 
-    def weighed(self, hypothesis: Hypothesis) -> Hypothesis:
+    def whitened(self, hypothesis: Hypothesis) -> Hypothesis:
         """A hypothesis with its columns over the healthy noise."""
         term = hypothesis.term
         columns = {
@@ -148,7 +148,7 @@ class RowsSince:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Weighing:
+class _Comparison:
     """Sets of causes on the same rows: by their evidence and odds, the likeliest is chosen."""
 
     rows: RowsSince
@@ -156,7 +156,7 @@ class _Weighing:
     pool: Pool
 
     def model(self, causes: Sequence[Hypothesis]) -> Model:
-        """Of these causes; where friction has changed, none of it is another day's."""
+        """Regression of these causes; where friction has changed, none of it is another day's."""
         rubbing = {h.term.place for h in causes if CATALOGUE[h.term.effect].family == "friction"}
         parts = [each for each in self.today if each.term.place not in rubbing]
         return self.rows.model((*parts, *causes))
@@ -216,7 +216,7 @@ class CauseSearch:
     """Explains the rows of a motion since an onset."""
 
     def __init__(self, residuals: Residuals, charts: Charts, thresholds: Thresholds) -> None:
-        """Of a model, with the floor of its residuals."""
+        """Search with a model's residuals and the floor of these."""
         self._residuals, self._charts, self._limits = residuals, charts, thresholds
 
     def explain(self, motion: Motion, known: ResidualRows, onset: float, most: int) -> Explanation:
@@ -228,33 +228,33 @@ class CauseSearch:
             onset: [s] on the log's clock.
             most: effects that may act together.
         """
-        weighing = self._weighing(motion, known, onset)
-        causes = weighing.likeliest(most)
+        comparison = self._comparison(motion, known, onset)
+        causes = comparison.likeliest(most)
         if not causes:
             return Explanation(onset=onset)
-        better = weighing.rows.onset(weighing.model(causes), causes, onset)
+        better = comparison.rows.onset(comparison.model(causes), causes, onset)
         if most > 1 and better != onset:
-            weighing = self._weighing(motion, known, better)
-            causes = weighing.likeliest(most) or causes
-        model, rest = weighing.model(causes), causes[1:]
-        own = weighing.log_odds(causes[0], causes)
+            comparison = self._comparison(motion, known, better)
+            causes = comparison.likeliest(most) or causes
+        model, rest = comparison.model(causes), causes[1:]
+        own = comparison.log_odds(causes[0], causes)
         return Explanation(
             onset=better,
             causes=tuple(self._cause(model, each) for each in causes),
             instead=tuple(
                 self._cause(
-                    weighing.model((each.hypothesis, *rest)),
+                    comparison.model((each.hypothesis, *rest)),
                     each.hypothesis,
                     worse=2.0 * (own - each.log_odds),
                 )
-                for each in weighing.rivals(causes)
+                for each in comparison.rivals(causes)
             ),
             changes=tuple(_change(model, each) for each in causes),
         )
 
-    def _weighing(self, motion: Motion, known: ResidualRows, onset: float) -> _Weighing:
+    def _comparison(self, motion: Motion, known: ResidualRows, onset: float) -> _Comparison:
         rows = RowsSince(motion, known, onset, self._charts, self._limits)
-        return _Weighing(
+        return _Comparison(
             rows=rows,
             today=tuple(self._today(rows)),
             pool=Pool(rows.data, list(self._changed(rows))),
@@ -265,7 +265,7 @@ class CauseSearch:
         for part in self._residuals.today:
             term = term_of(rows.balances, CATALOGUE[part.effect], part.place, part.shape)
             if term is not None:
-                yield rows.weighed(ordinary(term, np.sqrt(part.covariance[0])))
+                yield rows.whitened(ordinary(term, np.sqrt(part.covariance[0])))
 
     def _changed(self, rows: RowsSince) -> Iterator[Hypothesis]:
         """What may begin at a time, a load, a push: as likely of every kind, loads more often."""
@@ -281,7 +281,7 @@ class CauseSearch:
                         made = replace(anomalous(rows.balances, term), log_odds=float(odds))
                         if effect.id == TorqueGain.id:
                             made = replace(made, precision=np.array([self._limits.watch.gain**-2]))
-                        yield rows.weighed(_Changed.of(made, self._before(term)))
+                        yield rows.whitened(_Changed.of(made, self._before(term)))
 
     def _before(self, term: Term) -> FloatArray:
         """What the model and the changes so far have of an effect at its place, (k,)."""

@@ -25,7 +25,7 @@ class Change:
 
     @property
     def key(self) -> tuple[str, Place, Shape]:
-        """Of what it is: changes of the same add up."""
+        """Identity of what has changed: changes with the same key add up."""
         return self.effect, self.place, self.shape
 
 

@@ -23,7 +23,7 @@ class CsvStream:
     """One log's columns for a model's joints."""
 
     def __init__(self, name: str, joints: Sequence[str], reading: Reading | None = None) -> None:
-        """Of a log of this name, which is read as a study says."""
+        """Stream of a log of this name, which is read as a study says."""
         self.name = name
         self._reading = reading or Reading()
         self.torn = 0  # lines that were left out
@@ -58,7 +58,7 @@ class CsvStream:
         if self._first:
             head, _, after = lines.partition(b"\n")
             second, newline, _ = after.partition(b"\n")
-            if not newline and not self._is_row(head):  # the next line tells the decimal point
+            if not newline and not self._is_row(head):  # the next line shows the decimal point
                 self._rest = self._rest + piece
                 return
             lines = self._begun(head, second, lines, after)
@@ -120,7 +120,7 @@ class CsvStream:
         return np.concatenate([np.empty((0, len(self._columns))), *batches]) * self._factors
 
     def _line_by_line(self, lines: bytes) -> FloatArray:
-        """Without the lines that hold something else than numbers."""
+        """Rows of numbers, without the lines that hold something else than numbers."""
         kept, lost, reason = [], 0, ""
         every = lines.splitlines(keepends=True)
         for line in every:

@@ -17,8 +17,8 @@ from .calibrate import calibrated
 def with_floor(model: Model, study: Study) -> Model:
     """The model with the floor of the recordings held out, or else of those fitted.
 
-    Those of the study's robot with nothing held count, without what happened in them. Where no
-    recording serves, the model is as it was: then only a log of the healthy machine tells a floor.
+    Those of the study's robot without payload count, without what happened in them. Where no
+    recording serves, the model is as it was: then only a log of the healthy machine gives a floor.
     """
     for held_out, recordings in ((True, study.validate), (False, study.fit)):
         healthy = [

@@ -83,7 +83,7 @@ class Watch:
 
     @property
     def threshold(self) -> float:
-        """Of every chart: a log likelihood ratio."""
+        """Threshold of every chart: a log likelihood ratio."""
         return self._charts.threshold
 
     @property
@@ -154,7 +154,7 @@ class Watch:
         return Rows(time=time[there], q=values[there, :n], tau=values[there, n:])
 
     def _rising(self, rows: Rows) -> Rows:
-        """Without rows of the time before.
+        """Rows later than those before.
 
         Raises:
             ValueError: time runs backwards.

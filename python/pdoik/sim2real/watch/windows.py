@@ -47,7 +47,7 @@ class Rows:
         return Rows(time=time, q=q, tau=tau)
 
     def recording(self) -> Recording:
-        """On even times, readings that jump left out, thinned as a diagnosis does it."""
+        """Recording on even times, without readings that jump, thinned as a diagnosis does it."""
         grid = uniform_grid(self.time - self.time[0])
         valid = np.ones(len(grid.time), dtype=np.bool_)
         q, tau = (np.empty((len(grid.time), self.q.shape[1])) for _ in range(2))
@@ -83,7 +83,7 @@ class Windows:
     """Cuts one stream after another into windows."""
 
     def __init__(self, n: int, cutoff: float) -> None:
-        """Of n joints, for filters of this cut-off [Hz]."""
+        """Cutter for n joints, for filters of this cut-off [Hz]."""
         self.cutoff = cutoff
         self._n = n
         self._rows = _none(n)

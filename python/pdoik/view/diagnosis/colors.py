@@ -21,7 +21,7 @@ _STOPS = np.array(
 
 
 def color_of(value: float, most: float) -> Rgb:
-    """Of a residual, 0 to `most` and beyond; grey where it is not known."""
+    """Colour of a residual, 0 to `most` and beyond; grey where it is not known."""
     if not np.isfinite(value):
         return NOT_JUDGED
     share = min(value / max(most, 1e-12), 1.0)

@@ -69,7 +69,7 @@ class DrawnRobot:
 
 
 def drawn_robot(model: Model, packages: Packages = ()) -> DrawnRobot:
-    """From the study's own file, with its meshes, or else from the text that model.json keeps.
+    """Robot of the study's file, with its meshes, or else from the text that model.json keeps.
 
     Args:
         model: Of the report.

@@ -18,8 +18,8 @@ class FindingsTab:
     Args:
         gui: Where; call it inside the tab.
         diagnosis: What was found.
-        point_at: Told the joint of the finding that was clicked.
-        ring_link: Told the link of one that is at no joint.
+        point_at: Called with the joint of the finding that was clicked.
+        ring_link: Called with the link of one that is at no joint.
     """
 
     def __init__(

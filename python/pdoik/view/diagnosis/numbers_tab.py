@@ -26,7 +26,7 @@ class NumbersTab:
         self.departures = gui.add_html("")
 
     def show(self, line: Timeline, elapsed: float) -> None:
-        """At that time [s]."""
+        """Show the numbers at a time [s]."""
         before, after = (line.residual(which, elapsed) for which in ("before", "after"))
         recorded = line.q("recorded", elapsed)
         off = [1e3 * (line.q(which, elapsed) - recorded) for which in ("before", "after")]
@@ -47,7 +47,7 @@ class NumbersTab:
         )
 
     def follow(self, line: Timeline) -> None:
-        """Of another recording: how far its simulation goes off."""
+        """Show another recording: how far its simulation goes off."""
         self.departures.visible = line.simulated
         rows = [
             [

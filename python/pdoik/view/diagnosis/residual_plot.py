@@ -21,7 +21,7 @@ _BEFORE, _AFTER, _NOW = "#c9542c", "#1a6fb5", "#1c2127"
 
 
 class ResidualPlot:
-    """Of the joint that is chosen."""
+    """Plot of the residual of the joint that is chosen."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
         nothing = np.zeros(2)

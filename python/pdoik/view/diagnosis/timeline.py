@@ -18,7 +18,7 @@ _QUANTILE = 0.98  # of the residuals before, where the colours end
 
 
 class Timeline:
-    """Of one recording; times are seconds after its first sample."""
+    """Timeline of one recording; times are seconds after its first sample."""
 
     def __init__(self, motion: Motion) -> None:
         self.motion = motion

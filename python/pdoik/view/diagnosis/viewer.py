@@ -261,7 +261,7 @@ class DiagnosisViewer:
     # The time.
 
     def _tick(self, elapsed: float) -> None:
-        """Of the player's thread."""
+        """Show a time [s]; called by the player's thread."""
         slow = abs(elapsed - self._slow_at) > _SLOW or not self.player.playing
         if slow:
             self._slow_at = elapsed

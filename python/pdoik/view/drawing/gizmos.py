@@ -18,7 +18,7 @@ class Gizmo:
     """Three arrows along a frame's axes (`scale` long), squares between them, and arcs.
 
     Args:
-        on_drag: Told each pose that the mouse gives it, in order; must return at once.
+        on_drag: Called with each pose that the mouse gives it, in order; must return at once.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Gizmo:
         self._handle.visible = visible
 
     def turn(self, turns: bool) -> None:
-        """With arcs to turn it by, or without."""
+        """Show arcs to turn it by, or none."""
         self._handle.disable_rotations = not turns
 
     def remove(self) -> None:

@@ -110,7 +110,7 @@ class HullScene:
 
 
 def _colors(robot: pdoik.Robot) -> npt.NDArray[np.int_]:
-    """Of solid hulls in the order of `placed_hulls`: one link lighter, the next one darker."""
+    """Colours of solid hulls in the order of `placed_hulls`: one link lighter, the next darker."""
     occupancy = robot.occupancy
     hulls = (*occupancy.spheres, *occupancy.spheroids, *occupancy.capsules)
     place = {link: k for k, link in enumerate(dict.fromkeys(hull[0] for hull in hulls))}

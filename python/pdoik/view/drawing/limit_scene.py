@@ -98,7 +98,7 @@ def moved_by(robot: pdoik.Robot) -> dict[str, frozenset[int]]:
 def joint_axis(
     robot: pdoik.Robot, q: FloatArray, joint: int, movers: dict[str, frozenset[int]]
 ) -> tuple[FloatArray, FloatArray]:
-    """A place on a joint's axis beside the link that it moves, and the axis, (3,) each [m].
+    """A place on a joint's axis next to the link that it moves, and the axis, (3,) each [m].
 
     Args:
         robot: Whose.

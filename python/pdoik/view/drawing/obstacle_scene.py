@@ -28,7 +28,7 @@ class ObstacleScene:
     Args:
         server: Where to draw.
         size: Of the gizmos [m].
-        on_ball, on_cloud: Told each pose the gizmos are dragged to; the cloud's is T_base_cloud.
+        on_ball, on_cloud: Called with each pose of the gizmos; the cloud's is T_base_cloud.
     """
 
     def __init__(

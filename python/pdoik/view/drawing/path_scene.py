@@ -49,7 +49,7 @@ class PathScene:
             self._there = False
 
     def _line(self, name: str, places: Any, colors: Any, thickness: float) -> None:
-        """Through all places; a piece has the colour of the place it leads to."""
+        """Draw a line through all places; a piece has the colour of the place it leads to."""
         ends = np.stack([places[:-1], places[1:]], axis=1).astype(np.float32)
         self._scene.add_line_segments(
             f"/path/{name}",

@@ -45,7 +45,7 @@ class RobotScene:
             link: scene.add_glb(f"/robot/meshes/{_node(link)}", glb)
             for link, glb in model.visuals.items()
         }
-        self._ways = [
+        self._chains = [
             way_to(model.robot, model.robot.mid_configuration(), tip)
             for tip in model.robot.tip_links
         ]
@@ -84,11 +84,11 @@ class RobotScene:
         self._hulls.show(shown.q, tight, fails=not shown.met_to_tolerance)
 
     def _drawn_links(self) -> set[str]:
-        return {*self._links, *self._axes, *(link for way in self._ways for link in way)}
+        return {*self._links, *self._axes, *(link for chain in self._chains for link in chain)}
 
     def _add_skeleton(self, radius: float) -> tuple[Any, Any]:
-        n_bones = sum(len(way) - 1 for way in self._ways)
-        n_joints = sum(len(way) for way in self._ways)
+        n_bones = sum(len(chain) - 1 for chain in self._chains)
+        n_joints = sum(len(chain) for chain in self._chains)
         bone = trimesh.creation.cylinder(radius=radius, height=1.0, sections=20)
         bone.apply_transform(np.eye(4)[[2, 0, 1, 3]])  # z, its axis, becomes x
         joint = trimesh.creation.icosphere(subdivisions=2, radius=1.9 * radius)
@@ -102,15 +102,15 @@ class RobotScene:
         return nodes[0], nodes[1]
 
     def _pose_skeleton(self, poses: dict[str, FloatArray]) -> None:
-        ways = [[poses[link][:3, 3] for link in way] for way in self._ways]
-        lines = np.concatenate([segments(way) for way in ways])  # (B, 2, 3)
+        places = [[poses[link][:3, 3] for link in chain] for chain in self._chains]
+        lines = np.concatenate([segments(each) for each in places])  # (B, 2, 3)
         vectors = lines[:, 1] - lines[:, 0]
         lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
         ones = np.ones_like(lengths)
         self._bones.batched_wxyzs = turns_of_x(vectors / np.maximum(lengths, 1e-12))
         self._bones.batched_positions = lines.mean(axis=1)
         self._bones.batched_scales = np.concatenate([lengths, ones, ones], axis=1)
-        self._joints.batched_positions = np.concatenate(ways)
+        self._joints.batched_positions = np.concatenate(places)
 
 
 def robot_size(model: Model) -> float:
@@ -125,7 +125,7 @@ def robot_size(model: Model) -> float:
 
 
 def camera_of(model: Model, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Where a camera that sees the robot beside the panel looks and stands, (3,) each [m]."""
+    """Where a camera that sees the robot next to the panel looks and stands, (3,) each [m]."""
     size = robot_size(model)
     if len(model.robot.tip_links) == 1:
         return np.array([0.31, 0.09, 0.3]) * size, np.array([1.05, -1.15, 0.78]) * size

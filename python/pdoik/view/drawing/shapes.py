@@ -88,7 +88,7 @@ def moved_shape(shape: pdoik.Shape, T_base_shape: FloatArray) -> pdoik.Shape:
 
 
 def gap_colors(hulls: list[PlacedHull], obstacles: FloatArray) -> ByteArray:
-    """A colour for each obstacle (K, 4) that tells its gap to the nearest hull, (K, 3)."""
+    """A colour for each obstacle (K, 4) that shows its gap to the nearest hull, (K, 3)."""
     return room_colors(gaps(hulls, obstacles[:, :3]) - obstacles[:, 3])
 
 

@@ -25,7 +25,7 @@ class TargetGizmos:
         server: Where to draw.
         goals: Of each tip.
         scale: Of the arrows [m].
-        on_drag: Told the tip, the pose, and which of the tip's targets it is.
+        on_drag: Called with the tip, the pose, and which of the tip's targets it is.
 
     Attributes:
         by_tip: Of each tip's first target.
@@ -62,7 +62,7 @@ class TargetGizmos:
                     ball.color, label.text = color, text
 
     def follow(self, goals: Mapping[str, TipGoal]) -> None:
-        """As many as there are targets; free tips have nothing to drag, positions no arcs."""
+        """Show as many as there are targets; free tips have nothing to drag, positions no arcs."""
         for tip, goal in goals.items():
             others = self._others[tip]
             if len(self._marks[tip]) != _marks_of(goal):

@@ -20,7 +20,7 @@ class AlternativesPanel:
 
     Args:
         gui: Where; call it inside the container.
-        page: Told what is pressed.
+        page: Given what is pressed.
     """
 
     def __init__(self, gui: viser.GuiApi, page: Page) -> None:

@@ -24,7 +24,7 @@ class ExamplesMenu:
 
     Args:
         gui: Where.
-        page: Told what is chosen.
+        page: Given what is chosen.
         shown: The example that the page begins with; None for a robot of the user's own.
     """
 

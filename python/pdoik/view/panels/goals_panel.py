@@ -20,8 +20,8 @@ class GoalsPanel:
     Args:
         gui: Where; call it inside the container.
         session: Whose tips.
-        on_change: Told the tip and its kind of goal, "free" for none.
-        on_cone: Told the tip and how far its axis may point off [rad].
+        on_change: Called with the tip and its kind of goal, "free" for none.
+        on_cone: Called with the tip and how far its axis may point off [rad].
     """
 
     def __init__(

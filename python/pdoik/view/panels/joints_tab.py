@@ -26,7 +26,7 @@ class JointsTab:
     Args:
         gui: Where; call it inside the tab.
         robot: Whose joints.
-        on_slide: Told the joint's index and its position [rad] or [m].
+        on_slide: Called with the joint's index and its position [rad] or [m].
     """
 
     def __init__(

@@ -45,7 +45,7 @@ class MapPanel:
 
     @property
     def cut(self) -> Cut | None:
-        """As the controls say."""
+        """Cut that the controls say; None for the whole map."""
         if self.axis.value == WHOLE:
             return None
         side = not self.other_side.value

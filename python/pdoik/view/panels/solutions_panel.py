@@ -24,7 +24,7 @@ class SolutionsPanel:
 
     Args:
         gui: Where; call it inside the container.
-        page: Whose session is asked, and told which solution to show.
+        page: Whose session is asked, and given the solution to show.
     """
 
     def __init__(self, gui: viser.GuiApi, page: Page) -> None:

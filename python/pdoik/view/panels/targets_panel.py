@@ -24,7 +24,7 @@ class TargetsPanel:
     Args:
         gui: Where; call it inside the container.
         session: Whose tips.
-        on_type: Told the tip, the pose that was typed, T_base_tip (4, 4), and which of the tip's
+        on_type: Called with the tip, the pose that was typed, T_base_tip (4, 4), and which of its
             targets it is.
     """
 
@@ -52,7 +52,7 @@ class TargetsPanel:
                 _set(turn, np.degrees([rpy.roll, rpy.pitch, rpy.yaw]), _DEGREES)
 
     def follow(self, goals: Mapping[str, TipGoal]) -> None:
-        """As many as there are targets; free tips have none, positions no turn."""
+        """Show as many as there are targets; free tips have none, positions no turn."""
         for tip, pairs in self._pairs.items():
             count, kind = len(goals[tip].targets), goals[tip].kind
             while len(pairs) > count:

@@ -93,11 +93,11 @@ class GravityDirection(Effect):
     def of_amount(
         self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
     ) -> tuple[Shape, FloatArray]:
-        """As far about x as about y."""
+        """Tilt of an amount [rad], as far about x as about y."""
         return shape, np.array([amount, amount, 0.0])
 
     def gravity(self, values: Mapping[str, float]) -> FloatArray | None:
-        """As the tilted base sees it."""
+        """Gravity in the tilted base's frame, (3,) [m/s^2]."""
         base = Rotation.from_euler("XY", [values["tilt_x"], values["tilt_y"]])
         return np.asarray(base.inv().apply([0.0, 0.0, -STANDARD_GRAVITY]))
 
@@ -106,7 +106,7 @@ class GravityDirection(Effect):
         return (GravityTilt(x=site.get("tilt_x"), y=site.get("tilt_y")),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         x, y = np.degrees(values["tilt_x"]), np.degrees(values["tilt_y"])
         return f"The base is tilted by {x:.2g} degrees about its x axis and {y:.2g} about y."
 

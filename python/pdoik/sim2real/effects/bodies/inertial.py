@@ -77,7 +77,7 @@ class LinkInertials(Effect):
         return 1.0 / PRIOR**2
 
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
-        """By the link's own size: twice its mass is as dear on a thigh as on an upper arm."""
+        """Precision of the prior, (width,), by the link's size: twice any mass costs the same."""
         if motion.body is None or place.link is None:
             return self.prior(width)
         return np.asarray(1.0 / (_LINK * motion.body.inertial_scale(place.link)) ** 2)
@@ -103,7 +103,7 @@ class LinkInertials(Effect):
         return (LinkChange(link=site.link, inertial=Inertial.from_ten(ten)),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         h = np.linalg.norm([values[f"d_first_moment_{axis}"] for axis in "xyz"])
         return (
             f"The inertia of {where} is not the model's: {values['d_mass']:+.3g} kg and"
@@ -116,7 +116,7 @@ class LinkInertials(Effect):
 
 
 class Payload(LinkInertials):
-    """A body held by the last link."""
+    """A body attached to the last link."""
 
     id = "payload"
     odds = 0.2
@@ -214,7 +214,7 @@ class Payload(LinkInertials):
         return (LinkChange(link=site.link, inertial=body),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         com = ", ".join(f"{1e3 * values[f'com_{axis}']:.3g}" for axis in "xyz")
         return (
             f"{where} carries {values['mass']:.3g} kg that is not in the model, at"

@@ -65,7 +65,7 @@ class KinematicError(Effect):
         return site.each(lambda j: Placement(joint=j, shift=shift, rotation=turn))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         shift = 1e3 * np.linalg.norm([values["dx"], values["dy"], values["dz"]])
         turn = np.degrees(np.linalg.norm([values["rx"], values["ry"], values["rz"]]))
         return f"{where} is not where the model puts it: {shift:.2g} mm and {turn:.2g} degrees off."

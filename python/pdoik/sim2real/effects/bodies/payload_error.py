@@ -50,7 +50,7 @@ class PayloadError(LinkInertials):
         return super().columns(motion, place, shape)
 
     def prior_at(self, motion: Motion, place: Place, width: int) -> FloatArray:
-        """By the body's own size."""
+        """Precision of the prior, (width,), by the body's own size."""
         if motion.body is None or place.held is None:
             return self.prior(width)
         mass, *moments = motion.body.carrier(place.held)[1][:4].tolist()
@@ -77,7 +77,7 @@ class PayloadError(LinkInertials):
         return (LinkChange(link=site.link, inertial=Inertial.from_ten(ten), held=site.variant),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         h = np.linalg.norm([values[f"d_first_moment_{axis}"] for axis in "xyz"])
         return (
             f"{where} is not as the study says: {values['d_mass']:+.3g} kg and {h:.3g} kg m of"

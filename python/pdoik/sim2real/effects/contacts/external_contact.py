@@ -12,7 +12,7 @@ from ..effect import Effect, Example, Parameter
 from ..site import Site
 
 ORIGIN: Shape = (1.0,)
-"""Of a push at the last link's origin instead of the tip."""
+"""Shape of a push at the last link's origin instead of the tip."""
 
 
 class ExternalContact(Effect):
@@ -75,11 +75,11 @@ class ExternalContact(Effect):
         return (push,)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         force = np.array([values[f"force_{axis}"] for axis in "xyz"])
         size = float(np.linalg.norm(force))
-        way = ", ".join(f"{f:.2g}" for f in force / max(size, 1e-12))
-        return f"Something pushed {where} with {size:.3g} N along ({way}) of the base."
+        direction = ", ".join(f"{f:.2g}" for f in force / max(size, 1e-12))
+        return f"Something pushed {where} with {size:.3g} N along ({direction}) of the base."
 
     def regime(self, where: str) -> str:
         """When it shows."""

@@ -22,7 +22,7 @@ class _OfGround(Effect):
     per_joint_moving = False
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """The ground, where heights of feet and the base's pose tell of it."""
+        """The ground, where heights of feet and the base's pose show it."""
         return [Place()] if any(foot.height is not None for foot in motions[0].feet) else []
 
     def not_simulated(self, values: Mapping[str, float]) -> str:
@@ -56,7 +56,7 @@ class GroundHeight(_OfGround):
         return {("foot", k): one for k, foot in enumerate(motion.feet) if foot.height is not None}
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return f"The ground is {1e3 * values['height']:.3g} mm higher than the simulation has it."
 
 
@@ -77,7 +77,7 @@ class GroundSlope(_OfGround):
     complexity = 2
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """The ground, where a sole's tilt tells of it, or heights of soles do."""
+        """The ground, where a sole's tilt or heights of soles show it."""
         tilted = any(foot.tilt is not None for foot in motions[0].feet)
         return [Place()] if tilted else super().places(motions)
 
@@ -102,13 +102,13 @@ class GroundSlope(_OfGround):
         return np.array([0.0, 0.0, 1.0 / 0.05**2])
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         x, y = (np.degrees(np.arctan(values[f"slope_{axis}"])) for axis in "xy")
         return f"The ground rises by {x:.2g} degrees along x and {y:.2g} along y."
 
 
 class _OfFoot(_OfGround):
-    """At one foot, or at all alike."""
+    """An effect at one foot, or at all alike."""
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
         """Each foot, and all."""
@@ -152,7 +152,7 @@ class FootSoftness(_OfFoot):
         return bool(pressed) and all(float(each.max()) < least for each in pressed.values())
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return f"{where} sinks in by {1e5 * values['compliance']:.2g} mm for every 100 N."
 
 
@@ -185,7 +185,7 @@ class FootFriction(_OfFoot):
         return self._pressed(motion, place, "grip", 1.0)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         change = values["change"]
         return (
             f"{where} slips at a coefficient of friction that is {abs(change):.2g}"

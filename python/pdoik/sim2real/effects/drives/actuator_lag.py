@@ -89,7 +89,7 @@ class ActuatorLag(Effect):
         return shape[0] != OF_TORQUE or shape[1] < _AT_BOUND * SLOWEST_TORQUE
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
-        """Less than the sampling can tell."""
+        """Whether it is less than the sampling can show."""
         return too_short(motions, shape)
 
     def coefficients(
@@ -110,7 +110,7 @@ class ActuatorLag(Effect):
         return site.each(lambda j: DriveChange(joint=j, time_constant=time))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"The drive of {where} follows its command with a lag of"
             f" {1e3 * values['time_constant']:.3g} ms."

@@ -17,7 +17,7 @@ OF_POSITION, OF_TORQUE = 0.0, 1.0
 """First entry of a shape: whether the commanded position or the torque comes late."""
 
 LEAST_POSITION, LEAST_TORQUE = 0.2, 0.3
-"""Of the controller's period, below which a position's or a torque's delay is not claimed."""
+"""Shares of the controller's period below which a position's or torque's delay is not claimed."""
 
 LEAST_OF_LOG = 0.05  # the same of the log's period
 TIMES = (0.0008, 0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
@@ -25,7 +25,7 @@ TIMES = (0.0008, 0.002, 0.004, 0.007, 0.012, 0.02, 0.035, 0.06, 0.1, 0.16, 0.3)
 
 
 def late_position(motion: Motion, j: int, change: FloatArray) -> Columns:
-    """Of a commanded position that differs by `change` (T,) from what was logged.
+    """Columns of a commanded position that differs by `change` (T,) from what was logged.
 
     In the law's balance where a torque was recorded, else in the torque's, where the law stands
     for the torque.
@@ -38,7 +38,7 @@ def late_position(motion: Motion, j: int, change: FloatArray) -> Columns:
 
 
 def late_torque(motion: Motion, j: int, late: Callable[[FloatArray], FloatArray]) -> Columns:
-    """Of a torque that follows its command as `late` says.
+    """Columns of a torque that follows its command as `late` says.
 
     A command that is held until the next comes half a period late on average: that is no delay.
     """
@@ -97,7 +97,7 @@ def within_sampling(motions: Sequence[Motion], time: float) -> bool:
 def too_short(motions: Sequence[Motion], shape: Shape) -> bool:
     """Whether a delay or lag is within three times what machines without any seem to have.
 
-    Where a law or a torque is known; of positions alone nothing below a sample can be told.
+    Where a law or a torque is known; of positions alone nothing below a sample can be detected.
     """
     first = motions[0]
     if first.source == "":
@@ -175,7 +175,7 @@ class CommandDelay(Effect):
         return [*first, (0.0, 0.5)] if len(shape) > 2 else first
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
-        """Less than the sampling can tell."""
+        """Whether it is less than the sampling can show."""
         return too_short(motions, shape)
 
     def coefficients(
@@ -198,7 +198,7 @@ class CommandDelay(Effect):
         return site.each(lambda j: DriveChange(joint=j, delay=site["delay"], command_lag=lag))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         late = f"Commands to {where} act {1e3 * values['delay']:.3g} ms late"
         lag = values.get("time_constant", 0.0)
         after = f", and the servo follows with a lag of {1e3 * lag:.3g} ms" if lag > 1e-3 else ""

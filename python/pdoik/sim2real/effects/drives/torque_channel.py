@@ -17,7 +17,7 @@ _OF_DRIVE = -0.7  # log odds, half as likely
 
 
 class TorqueChannel(Effect):
-    """An error of a torque that shows in the balances beside which it stands."""
+    """An error of a torque that shows in the balances that this torque enters."""
 
     @abstractmethod
     def error(self, motion: Motion, true: FloatArray) -> FloatArray:
@@ -52,5 +52,5 @@ class TorqueChannel(Effect):
         return _OF_DRIVE if shape[0] == OF_DRIVE else 0.0
 
     def variant(self, shape: Shape) -> str:
-        """Whether the report is wrong or the drive; "" where both are, or nobody can tell."""
+        """Whether the report is wrong or the drive; "" where both are, or nothing decides."""
         return {OF_BOTH: "", OF_REPORT: "report", OF_DRIVE: "drive"}[shape[0]]

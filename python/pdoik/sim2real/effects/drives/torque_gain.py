@@ -34,7 +34,7 @@ class TorqueGain(TorqueChannel):
     gated = True
 
     def error(self, motion: Motion, true: FloatArray) -> FloatArray:
-        """In proportion to the torque."""
+        """Error in proportion to the torque, (T, 1) [N m]."""
         return true[:, None]
 
     @property
@@ -49,7 +49,7 @@ class TorqueGain(TorqueChannel):
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
-        """By one less."""
+        """Shape, and the coefficient (1,), the gain less one."""
         return shape or (OF_BOTH,), np.array([values["gain"] - 1.0])
 
     def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
@@ -66,7 +66,7 @@ class TorqueGain(TorqueChannel):
         return site.each(lambda j: DriveChange(joint=j, gain=gain))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return f"The torque reading of {where} is {values['gain']:.3g} times the true torque."
 
     def regime(self, where: str) -> str:

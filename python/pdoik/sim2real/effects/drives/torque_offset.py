@@ -61,7 +61,7 @@ class TorqueOffset(TorqueChannel):
         return site.each(lambda j: DriveChange(joint=j, offset=offset))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return f"The torque of {where} has a constant offset of {values['offset']:.3g} N m."
 
     def regime(self, where: str) -> str:

@@ -1,4 +1,4 @@
-"""A drive that gives no more than a certain torque, whatever it is told."""
+"""A drive that gives no more than a certain torque, whatever is commanded."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TorqueSaturation(Effect):
     equation = "tau = clip(tau_cmd, -L, L)"
     parameters = (Parameter("level", "N m", lower=0.0),)
     confused_with = ("torque_gain", "actuator_lag", "torque_speed_limit")
-    decided_by = "one motion that asks for more torque than this, recorded beside its command"
+    decided_by = "one motion that asks for more torque than this, recorded with its command"
     source = "drive data sheet"
     example = Example(values={"level": 9.0}, place=Place(joints=(0,)), nothing={"level": 1e9})
     fixed = True
@@ -55,10 +55,10 @@ class TorqueSaturation(Effect):
         return shapes
 
     def asked(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Of what was recorded beside what was given, or stands for it."""
+        """Shapes for what was recorded in addition to the applied torque, or stands for it."""
         first, (j,) = motions[0], place.joints
-        beside = kinds(first, j) or ([OF_REPORTED] if first.source in ("tau_cmd", "law") else [])
-        return [(kind, np.inf) for kind in beside]
+        commanded = kinds(first, j) or ([OF_REPORTED] if first.source in ("tau_cmd", "law") else [])
+        return [(kind, np.inf) for kind in commanded]
 
     def of_amount(
         self, amount: float, motions: Sequence[Motion], place: Place, shape: Shape, width: int
@@ -125,7 +125,7 @@ class TorqueSaturation(Effect):
         return site.each(lambda j: DriveChange(joint=j, limit=site["level"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"The drive of {where} gives at most {values['level']:.3g} N m, whatever the command."
         )
@@ -136,7 +136,7 @@ class TorqueSaturation(Effect):
 
 
 def kinds(motion: Motion, j: int) -> list[float]:
-    """What may be clipped at joint j and was recorded beside what was given."""
+    """What may be clipped at joint j and was recorded in addition to the applied torque."""
     command = [OF_COMMAND] if motion.has_command(j) else []
     return command + ([OF_LAW] if motion.has_law(j) else [])
 

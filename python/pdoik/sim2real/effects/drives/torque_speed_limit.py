@@ -20,7 +20,7 @@ _AT_TOP = 0.15  # how far a line may lie from the top that it is meant to be
 class TorqueSpeedLimit(Effect):
     """tau = clip(tau_cmd, -S (1 + dq / w), S (1 - dq / w)), no less than 0 in the driving way.
 
-    What a supply's voltage leaves beside the motor's own (back-EMF): along the motion at most
+    What a supply's voltage leaves besides the motor's own (back-EMF): along the motion at most
     S (1 - |dq| / w).
     """
 
@@ -34,7 +34,7 @@ class TorqueSpeedLimit(Effect):
         Parameter("no_load_speed", "rad/s", lower=0.0),
     )
     confused_with = ("torque_saturation", "torque_gain", "actuator_lag")
-    decided_by = "full torque asked for at two speeds, one twice the other, beside its command"
+    decided_by = "full torque asked for at two speeds, one twice the other, with its command"
     source = "Hughes and Drury, Electric Motors and Drives, 2013, Sec. 3.4 (torque-speed curves)"
     example = Example(
         values={"stall_torque": 16.0, "no_load_speed": 4.0},
@@ -57,7 +57,7 @@ class TorqueSpeedLimit(Effect):
         ]
 
     def asked(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Of what was recorded beside what was given; at the fastest a third of the torque left."""
+        """Shapes for the recorded torques; at the fastest a third of the torque is left."""
         (j,) = place.joints
         fastest = max(float(np.max(np.abs(m.dq[:, j]))) for m in motions)
         return [(kind, np.inf, 1.5 * fastest) for kind in kinds(motions[0], j) if fastest > 0.0]
@@ -117,7 +117,7 @@ class TorqueSpeedLimit(Effect):
         return site.each(lambda j: DriveChange(joint=j, stall_torque=stall, no_load_speed=no_load))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"The drive of {where} gives at most {values['stall_torque']:.3g} N m at rest and less"
             f" the faster it turns, nothing at {values['no_load_speed']:.3g} rad/s: its voltage is"

@@ -17,9 +17,9 @@ _LEVEL = (0.0,)  # the shape of a difference of levels alone
 
 
 class AsymmetricFriction(Effect):
-    """tau = (dL |sign(dq)| + dc |dq|) / 2: forwards less backwards, beside the symmetric part.
+    """tau = (dL |sign(dq)| + dc |dq|) / 2: forwards less backwards, besides the symmetric part.
 
-    Or of levels alone: what need not be there is not paid for beside an offset of the torque.
+    Or of levels alone: what need not be there is not paid for besides an offset of the torque.
     """
 
     id = "asymmetric_friction"
@@ -44,7 +44,7 @@ class AsymmetricFriction(Effect):
     jumps = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Of levels and of slopes, or of levels alone."""
+        """Shapes of levels and of slopes, or of levels alone."""
         return [(), _LEVEL]
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
@@ -58,7 +58,7 @@ class AsymmetricFriction(Effect):
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
-        """Of those that there are."""
+        """Coefficients of those parameters that are given."""
         known = [values[each.name] for each in self.parameters if each.name in values]
         return () if len(known) > 1 else _LEVEL, np.array(known)
 
@@ -78,7 +78,7 @@ class AsymmetricFriction(Effect):
         )
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         more = f"{values['level_difference']:.3g} N m"
         if "viscous_difference" in values:
             more += f" and {values['viscous_difference']:.3g} N m per rad/s"

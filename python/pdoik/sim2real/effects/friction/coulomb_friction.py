@@ -39,7 +39,7 @@ class CoulombFriction(Effect):
         return [(0.0,), (0.02,), (0.06,), (0.15,)]
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
-        """From a step to what is nearly viscous."""
+        """Bounds of the speed [rad/s], from a step to what is nearly viscous."""
         return [(0.0, 0.3)]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
@@ -58,7 +58,7 @@ class CoulombFriction(Effect):
         return site.each(lambda j: HardFriction(joint=j, level=site["level"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} has Coulomb friction of {values['level']:.3g} N m that is not in the model:"
             " the same torque against the motion at any speed."

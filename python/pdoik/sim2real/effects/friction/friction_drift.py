@@ -70,7 +70,7 @@ class FrictionDrift(Effect):
         return site.each(lambda j: HardFriction(joint=j, level=level))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"Friction of {where} is {values['extra']:.3g} N m higher at the start of a recording"
             f" and decreases over about {values['time_constant']:.2g} s: it warms up."

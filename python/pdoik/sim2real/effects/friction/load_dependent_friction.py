@@ -46,7 +46,7 @@ class LoadDependentFriction(Effect):
         return site.each(lambda j: HardFriction(joint=j, level=level, needs_load=True))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"Friction of {where} grows with its load: {100 * values['coefficient']:.2g} % of the"
             " torque that it transmits is lost."

@@ -89,7 +89,7 @@ class PreslidingHysteresis(Effect):
         return site.each(lambda j: JointTorque(joint=j, law=law))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"Friction of {where} ({values['level']:.3g} N m) does not change sign at once: after"
             f" a reversal it builds up over {values['displacement']:.2g} rad, as a spring does."

@@ -22,7 +22,7 @@ class StribeckFriction(Effect):
     family = "friction"
     on = "joint"
     odds = 0.1
-    equation = "tau = S sign(dq) exp(-(dq / v)^2), beside Coulomb's"
+    equation = "tau = S sign(dq) exp(-(dq / v)^2), in addition to Coulomb's"
     parameters = (Parameter("extra", "N m", lower=0.0), Parameter("speed", "rad/s", lower=0.0))
     confused_with = ("coulomb_friction", "presliding_hysteresis", "asymmetric_friction")
     decided_by = "constant slow speeds, in steps from a hundredth to a third of the rated speed"
@@ -68,7 +68,7 @@ class StribeckFriction(Effect):
         return site.each(lambda j: HardFriction(joint=j, level=level))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} has {values['extra']:.3g} N m more dry friction near rest than at speed; the"
             f" difference disappears above about {values['speed']:.2g} rad/s (Stribeck)."

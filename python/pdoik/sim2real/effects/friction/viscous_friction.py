@@ -37,7 +37,7 @@ class ViscousFriction(Effect):
         return site.each(lambda j: DofChange(joint=j, damping=site["coefficient"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} has viscous friction of {values['coefficient']:.3g} N m for every rad/s of"
             " speed that is not in the model."

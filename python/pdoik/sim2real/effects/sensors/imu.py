@@ -24,13 +24,13 @@ class _OfImu(Effect):
     per_joint_moving = False
 
     def places(self, motions: Sequence[Motion]) -> list[Place]:
-        """The base, where its IMU is what tells of its motion."""
+        """The base, where its motion is known from its IMU."""
         return [Place()] if any(m.base is not None and m.base.of_imu for m in motions) else []
 
     def _columns(
         self, motion: Motion, rates: FloatArray, turns: FloatArray, forces: FloatArray
     ) -> Columns:
-        """Of errors of rates, their derivatives and forces, (T, 3, k) each, in the IMU's axes."""
+        """Columns of errors of rates, derivatives and forces, (T, 3, k) each, in the IMU's axes."""
         base = motion.base
         if base is None or not base.of_imu:
             return {}
@@ -52,7 +52,7 @@ class _OfImu(Effect):
 
 
 class ImuTilt(_OfImu):
-    """Its axes are rotated by a small angle against those that the study gives."""
+    """The IMU's axes are rotated by a small angle against those that the study gives."""
 
     id = "imu_tilt"
     name = "an IMU that is tilted"
@@ -74,7 +74,7 @@ class ImuTilt(_OfImu):
         return self._columns(motion, *turned)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         x, y, z = (np.degrees(values[f"tilt_{a}"]) for a in _AXES)
         return (
             f"The IMU is mounted {x:.2g}, {y:.2g} and {z:.2g} degrees (about x, y, z) from where"
@@ -110,7 +110,7 @@ class ImuOffset(_OfImu):
         return self._columns(motion, rates, np.zeros_like(rates), forces)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         acc = ", ".join(f"{values[f'acc_{a}']:.2g}" for a in _AXES)
         gyro = ", ".join(f"{values[f'gyro_{a}']:.2g}" for a in _AXES)
         return (

@@ -69,7 +69,7 @@ class JointOffset(Effect):
         return site.each(lambda j: SensorChange(joint=j, channel="q", offset=site["offset"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         degrees = np.degrees(values["offset"])
         return f"The zero of {where} is wrong: its true position is {degrees:.2g} degrees further."
 

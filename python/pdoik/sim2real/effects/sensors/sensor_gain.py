@@ -33,14 +33,14 @@ class SensorGain(Effect):
     equation = "logged = k true"
     parameters = (Parameter("gain", "-"),)
     confused_with = ("torque_gain", "kinematic_error", "joint_offset")
-    decided_by = "the channel beside a second instrument"
+    decided_by = "the channel compared with a second instrument"
     source = "sensor calibration"
     example = Example(values={"gain": 1.03}, shape=(OF_LOGGED_SPEED,), nothing={"gain": 1.0})
     complexity = 2
     makes_up_for_misfit = True
 
     def shapes(self, motions: Sequence[Motion], place: Place) -> list[Shape]:
-        """Channels; in the log alone where a law tells that from what the controller reads."""
+        """Channels; in the log alone where a law shows that the controller reads another."""
         (j,) = place.joints
         speed = motions[0].measured_dq
         shapes: list[Shape] = []
@@ -86,7 +86,7 @@ class SensorGain(Effect):
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
-        """By one more or less, see `columns`."""
+        """Shape, and the coefficient (1,), a gain's difference from one, see `columns`."""
         shape, gain = shape or (OF_LOGGED_SPEED,), values["gain"]
         return shape, np.array([1.0 / gain - 1.0 if _of_position(shape) else gain - 1.0])
 
@@ -107,7 +107,7 @@ class SensorGain(Effect):
         )
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return f"A sensor of {where} reads {values['gain']:.3g} times the true value."
 
 

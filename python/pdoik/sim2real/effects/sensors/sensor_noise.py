@@ -14,7 +14,7 @@ from ..effect import Effect, Example, Parameter
 
 
 class SensorNoise(Effect):
-    """logged = true + white noise: told from spectra, before anything is fitted."""
+    """logged = true + white noise: estimated from spectra, before anything is fitted."""
 
     id = "sensor_noise"
     family = "sensor"
@@ -36,11 +36,11 @@ class SensorNoise(Effect):
         return {}
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
-        """Its standard deviation."""
+        """Standard deviation of the noise."""
         return {"std": float(beta[0])}
 
     def logged(self, recording: Recording, place: Place, values: Mapping[str, float]) -> Recording:
-        """Its noise on the torques."""
+        """Recording with noise added to the torques."""
         if recording.tau is None:
             return recording
         tau = recording.tau.copy()
@@ -49,5 +49,5 @@ class SensorNoise(Effect):
         return replace(recording, tau=tau)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return f"A sensor of {where} has white noise of {values['std']:.2g}."

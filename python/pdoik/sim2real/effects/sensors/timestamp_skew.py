@@ -84,7 +84,7 @@ class TimestampSkew(Effect):
         return [(what, what), (max(low, skew.lower), min(high, skew.upper))]
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
-        """Less than the sampling can tell."""
+        """Whether it is less than the sampling can show."""
         first = motions[0]
         period = first.controller.period if first.controller is not None else None
         blur = max(period or 0.0, _OF_LOG * first.recording.raw_period)
@@ -106,7 +106,7 @@ class TimestampSkew(Effect):
         return site.each(lambda j: SensorChange(joint=j, channel=channel, skew=site["skew"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         late = "late" if values["skew"] > 0 else "early"
         return f"A channel of {where} is logged {1e3 * abs(values['skew']):.3g} ms too {late}."
 

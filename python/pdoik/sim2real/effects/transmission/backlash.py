@@ -78,11 +78,11 @@ class Backlash(Effect):
         return [(gap,) for gap in _GAPS]
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
-        """To the gaps tried beside it."""
+        """Bounds of the gap [rad]: the neighbours among those that are tried."""
         return [(0.55 * shape[0], 1.8 * shape[0])]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Of a link that swings between its flanks, driven by its motor's recorded motion."""
+        """Columns of a link that swings between its flanks, driven by the recorded motor."""
         (j,) = place.joints
         if motion.body is None:
             return {}
@@ -114,7 +114,7 @@ class Backlash(Effect):
         return site.each(lambda j: GearPlay(joint=j, gap=site["gap"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} has play: {np.degrees(values['gap']):.2g} degrees lie between the two flanks"
             " of its gear."

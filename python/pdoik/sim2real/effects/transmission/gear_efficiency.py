@@ -51,10 +51,10 @@ class GearEfficiency(Effect):
 
     def plausible(self, motions: Sequence[Motion], place: Place, shape: Shape) -> bool:
         """Whether the recordings have both: a load that is moved, and one that moves."""
-        ways = np.concatenate(
+        parts = np.concatenate(
             [self.columns(m, place, shape)["torque", place.joints[0]] for m in motions]
         )
-        squares = np.mean(ways**2, axis=0)
+        squares = np.mean(parts**2, axis=0)
         return bool(squares.min() > _LEAST * squares.sum())
 
     def parts(self, site: Site) -> tuple[Part, ...]:
@@ -63,7 +63,7 @@ class GearEfficiency(Effect):
         return site.each(lambda j: HardFriction(joint=j, level=level, needs_load=True))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"The gear of {where} loses {100 * values['driving_loss']:.2g} % of the load when it"
             f" drives it, and {100 * values['driven_loss']:.2g} % when the load drives the motor."

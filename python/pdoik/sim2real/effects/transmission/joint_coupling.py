@@ -46,7 +46,7 @@ class JointCoupling(Effect):
         return (Coupling(joint=site.joints[0], by=site.joints[1], ratio=site["ratio"]),)
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} are coupled: a turn of the second moves the first by {values['ratio']:.3g}."
         )

@@ -40,7 +40,7 @@ def given_way(
         inertia: (T,) of the link about its joint [kg m^2].
         period: of the samples [s].
         stiffness: of the spring [N m/rad].
-        damping: beside it [N m s/rad].
+        damping: in parallel with the spring [N m s/rad].
     """
     half = np.minimum(0.5 * period * np.sqrt(stiffness / inertia), 1.5)
     heavy = inertia * (half / np.tan(half)) ** 2 / period**2
@@ -96,11 +96,11 @@ class JointElasticity(Effect):
         return [(float(inertia * rate**2), float(2.0 * _RATIO / rate)) for rate in rates]
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
-        """To the springs tried beside it, and up to half of what would keep one from ringing."""
+        """Bounds: the neighbouring springs that are tried, and damping up to half of critical."""
         return [(0.5 * shape[0], 2.0 * shape[0]), (0.0, 3.0 * shape[1])]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Of a link that its motor's recorded motion drives by the spring."""
+        """Columns of a link that its motor's recorded motion drives by the spring."""
         (j,) = place.joints
         if motion.body is None:
             return {}
@@ -132,7 +132,7 @@ class JointElasticity(Effect):
         return site.each(lambda j: GearPlay(joint=j, stiffness=stiffness, damping=damping))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} gives under load: a spring of {values['stiffness']:.3g} N m/rad lies between"
             " its motor and its link."
@@ -144,6 +144,6 @@ class JointElasticity(Effect):
 
 
 def _inertia(motion: Motion, j: int) -> FloatArray:
-    """Of what joint j carries, about its axis, its known rotor apart, (T,)."""
+    """Inertia of what joint j moves, about its axis, without its known rotor, (T,)."""
     rotor = 0.0 if motion.body is None else float(motion.body.rotor[j])
     return np.maximum(motion.mass_matrix[:, j, j] - rotor, _LIGHTEST)

@@ -86,7 +86,7 @@ class PositionDependentSpring(Effect):
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
-        """Of a full spring the onset is a constant torque."""
+        """Coefficients; for a spring over the whole range the onset is a constant torque."""
         stiffness, onset, side = values["stiffness"], values["onset"], values["side"]
         if side == 0.0:
             return (0.0, 0.0), np.array([stiffness, -stiffness * onset])
@@ -101,7 +101,7 @@ class PositionDependentSpring(Effect):
         return site.each(lambda j: JointTorque(joint=j, law=law, at_link=True))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         beyond = {0.0: "around", 1.0: "above", -1.0: "below"}[values["side"]]
         return (
             f"A spring of {values['stiffness']:.3g} N m/rad acts on {where} {beyond}"

@@ -13,7 +13,7 @@ from ..site import Site
 
 
 class RotorInertia(Effect):
-    """tau = I ddq of the joint alone, beside what the model knows."""
+    """tau = I ddq of the joint alone, in addition to what the model has."""
 
     id = "rotor_inertia"
     family = "body"
@@ -47,7 +47,7 @@ class RotorInertia(Effect):
         return site.each(lambda j: DofChange(joint=j, armature=site["inertia"]))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"{where} resists acceleration by {values['inertia']:.3g} kg m^2 more than its links"
             " do: the rotor's inertia through the gear."

@@ -45,7 +45,7 @@ class StrainWaveError(Effect):
     sought = "harmonics"
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Of a link that is further by the angle's sine, and by its cosine, per radian."""
+        """Columns of a link that is further by the angle's sine, and by its cosine, per radian."""
         (j,) = place.joints
         h = shape[0]
         if motion.body is None or h < _LEAST:
@@ -79,7 +79,7 @@ class StrainWaveError(Effect):
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
-        """Of sine and cosine."""
+        """Coefficients of sine and cosine, (2,) [rad]."""
         amplitude, phase = values["amplitude"], values["phase"]
         return (values["harmonic"],), amplitude * np.array([np.cos(phase), np.sin(phase)])
 
@@ -89,7 +89,7 @@ class StrainWaveError(Effect):
         return site.each(lambda j: GearPlay(joint=j, waves=(wave,)))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"The link of {where} runs {values['amplitude']:.3g} rad ahead of its motor and behind"
             f" it, {values['harmonic']:.4g} times per turn: a strain-wave gear of ratio"

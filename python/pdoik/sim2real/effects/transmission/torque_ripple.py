@@ -64,7 +64,7 @@ class TorqueRipple(Effect):
     def coefficients(
         self, values: Mapping[str, float], shape: Shape = ()
     ) -> tuple[Shape, FloatArray]:
-        """Of cosine and sine."""
+        """Coefficients of cosine and sine, (2,) [N m]."""
         amplitude, phase = values["amplitude"], values["phase"]
         beta = amplitude * np.array([np.cos(phase), -np.sin(phase)])
         return (values["harmonic"],), beta
@@ -75,7 +75,7 @@ class TorqueRipple(Effect):
         return site.each(lambda j: JointTorque(joint=j, law=law))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """Statement of the finding in words."""
         return (
             f"The torque of {where} ripples by {values['amplitude']:.3g} N m,"
             f" {values['harmonic']:.4g} times per turn."
