@@ -33,7 +33,7 @@ def held_out_support(
     anomalous: Sequence[Term] = (),
     had_by: HadBy = "all",
 ) -> Support:
-    """Support of one of a fit's terms beside all others, recordings or parts of them left out.
+    """Support of one of a fit's terms given all others, recordings or parts of them left out.
 
     Args:
         fit: of all that is in the model.

@@ -60,7 +60,7 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
 
 
 def _share(rest: Fit, term: Term) -> float:
-    """Of the mean square that was left on the rows in which the term acts."""
+    """Share of the mean square that was left on the rows in which the term acts."""
     gained = began = 0.0
     for key, column in term.columns.items():
         part = column[rest.rows[key], 0] / rest.balances.sigma[key]

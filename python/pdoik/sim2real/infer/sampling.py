@@ -57,7 +57,8 @@ def without_sampling(
 def shared_by_all(fit: Fit, term: Term) -> bool:
     """Whether a delay not clearly above a period is one that the other joints show as well.
 
-    Or cannot be told from such a one. Then the order in which a machine acts and logs explains it.
+    Or cannot be distinguished from such a one. Then the order in which a machine acts and logs
+    explains it.
     """
     motions, limits = fit.balances.motions, fit.balances.thresholds.diagnosis
     if not effect_of(term).is_delay or motions[0].source == "":
@@ -78,7 +79,7 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
 
 
 def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:
-    """How late a joint's commands act beside a fit, to first order, and its error [s].
+    """How late a joint's commands act given a fit, to first order, and its error [s].
 
     Infinite where no balance shows it.
     """
