@@ -39,12 +39,12 @@ class Piece:
 
     @property
     def error(self) -> FloatArray:
-        """Of position, (T,)."""
+        """Error of position, (T,)."""
         return self.q_des - self.q
 
     @property
     def speed_error(self) -> FloatArray:
-        """Minus the speed where no desired one was logged, (T,)."""
+        """Error of speed: minus the speed where no desired one was logged, (T,)."""
         return self.dq_des - self.dq
 
     def column(self, name: str) -> FloatArray:

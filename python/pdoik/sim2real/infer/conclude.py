@@ -219,8 +219,8 @@ def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) ->
     """Whether recordings that only judge are better with it by next to nothing.
 
     Given everything else that was found, as share of what they leave without it. What acts in a
-    part only, or is not separated from the rest, is to be sure by itself as well, unless it is much:
-    of few stretches in which it acts there is none in some that are drawn.
+    part only, or is not separated from the rest, must be sure by itself too, unless it is much: of
+    few stretches in which it acts there is none in some that are drawn.
     What every machine has is there in any case: it is only not to make them worse.
     """
     if prepared.validate is None:

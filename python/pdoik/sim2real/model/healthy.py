@@ -1,4 +1,4 @@
-"""What is left of a healthy machine's torques beside the model: the floor that `watch` holds to."""
+"""What the model leaves of a healthy machine's torques: the floor that `watch` holds to."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ VARIANCE = 4
 """Coefficients of a variance: of 1, and of the squares of speed, of inertial torque, of torque."""
 
 CHARTS = 3
-"""Columns that a joint's residual is held against."""
+"""Columns that a joint's residual is compared with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,7 +40,7 @@ class Healthy:
 
     @classmethod
     def of_content(cls, content: Any, n: int) -> Healthy:
-        """Of plain data, for n joints.
+        """The figures of plain data, for n joints.
 
         Raises:
             KeyError, ValueError, TypeError: it is none.

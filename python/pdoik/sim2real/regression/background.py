@@ -42,7 +42,7 @@ class Friction:
 
 
 class OneWay:
-    """By how much friction differs between the directions."""
+    """The difference of friction between the directions."""
 
     id = BACKGROUND
     shape = (1.0,)
@@ -61,7 +61,7 @@ class Rest:
     shape = (2.0,)
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """One."""
+        """A column of ones."""
         (j,) = place.joints
         return {("torque", j): np.ones((len(motion.time), 1))}
 
@@ -125,7 +125,7 @@ def _own(term: Term) -> Key:
 
 
 def _terms(balances: Balances) -> tuple[Term, ...]:
-    """Of every joint that can be judged, and of the bodies."""
+    """Terms of every joint that can be judged, and of the bodies."""
     believed = balances.thresholds.priors
     terms: list[Term] = []
     for j in range(balances.n):

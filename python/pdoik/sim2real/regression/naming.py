@@ -1,4 +1,4 @@
-"""From terms to findings: names, places and words."""
+"""Findings made of terms: names, places and words."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ _OF_DRIVES = {ZERO: TorqueOffset(), SCALE: TorqueGain()}
 
 
 class Tolerance(Effect):
-    """Of a joint's drive beside its command or law, and of its speed beside its position."""
+    """Error of a joint's drive against its command or law, of its speed against its position."""
 
     id = "tolerance"
     on = "drive"
