@@ -35,7 +35,7 @@ class Estimate:
 
     @classmethod
     def normal(cls, value: float, std: float, unit: str) -> Estimate:
-        """With the interval of a normal error."""
+        """An estimate with the interval of a normal error."""
         interval = (value - ERRORS * std, value + ERRORS * std)
         return cls(value=value, std=std, interval95=interval, unit=unit)
 

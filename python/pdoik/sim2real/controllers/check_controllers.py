@@ -40,10 +40,10 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     study = prepared.study
     limits = study.thresholds.controllers
     fit = [thinned(r) for r in study.fit]
-    held = [thinned(r) for r in study.validate]
+    judges = [thinned(r) for r in study.validate]
     feeds = Feeds(prepared.body)
-    laws = [joint_law(name, j, fit, held, feeds, limits) for j, name in enumerate(study.joints)]
-    drives = Drives.of(prepared, fit, held, feeds)
+    laws = [joint_law(name, j, fit, judges, feeds, limits) for j, name in enumerate(study.joints)]
+    drives = Drives.of(prepared, fit, judges, feeds)
     estimates = [compared(law, given_gains(study, j), limits) for j, law in enumerate(laws)]
     changed = _with_released(study, laws)
     motors: list[Motor | None] = [None] * len(laws)

@@ -77,8 +77,8 @@ def drive_findings(drives: Drives) -> tuple[Finding, ...]:
             found.append(cut)
             late.pop(j, None)  # what is cut off also comes late
     for j, each in late.items():
-        held = lateness.gained_by(each, judges[j]) if j in judges else None
-        found.append(_stated(prepared, j, *_delayed(each), each.support, held))
+        judged = lateness.gained_by(each, judges[j]) if j in judges else None
+        found.append(_stated(prepared, j, *_delayed(each), each.support, judged))
     return tuple(found)
 
 
@@ -119,8 +119,8 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
     top = ceiling_of(prepared.fit.motions, j, limits)
     if top is None or _given(prepared, j, top.level):
         return None
-    held = None if prepared.validate is None else prepared.validate.motions
-    again = top.pile if held is None else pile_at(top, held, j, limits)
+    judges = None if prepared.validate is None else prepared.validate.motions
+    again = top.pile if judges is None else pile_at(top, judges, j, limits)
     if again is None:
         return None
     if again < limits.piled:  # what only judges must show it too, or it twice as clearly
@@ -148,8 +148,8 @@ def _cut(drives: Drives, j: int) -> Finding | None:
     cut = cut_off.cut_off(j, drives.fit[j], limits) if _in_torque(prepared, j) else None
     if cut is None or _given(prepared, j, cut.level):
         return None
-    held = cut_off.gained_by(cut, drives.judges[j]) if j in drives.judges else None
-    return _stated(prepared, j, *_limited(cut), cut.support, held)
+    judged = cut_off.gained_by(cut, drives.judges[j]) if j in drives.judges else None
+    return _stated(prepared, j, *_limited(cut), cut.support, judged)
 
 
 def _limited(

@@ -206,7 +206,7 @@ def _with_ratio(law: Fitted) -> Fitted:
 
 
 def _improved(law: Fitted, limits: ControllerThresholds) -> Fitted:
-    """With times and ratio where it fits best."""
+    """The law with times and ratio where it fits best."""
     ends = {"delay": (0.0, limits.longest_delay), "lag": (0.0, limits.longest_delay)}
     ends["ratio"] = _RATIOS
     for _ in range(_ROUNDS):

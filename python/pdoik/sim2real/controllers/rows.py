@@ -60,7 +60,7 @@ class Piece:
         return values
 
     def commanded_late(self, delay: float) -> Self:
-        """With commands, and the torque for them, so much later [s]."""
+        """The piece with commands, and the torque for them, so much later [s]."""
         if delay <= 0.0:
             return self
         late = np.stack([self.q_des, self.dq_des, self.rate, self.inertia], axis=1)

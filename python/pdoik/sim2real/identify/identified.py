@@ -58,13 +58,13 @@ class Identified:
 
     @property
     def contacts(self) -> tuple[Term, ...]:
-        """Those of them that are events."""
+        """The claimed terms that are events."""
         return tuple(t for t in self.accepted if t.place.window is not None)
 
     def fitted(self, terms: Sequence[Term]) -> Identified:
-        """With these terms, the nuisance's among them, and no others."""
+        """The same with these terms, the nuisance's among them, and no others."""
         return replace(self, fit=Fit(self.balances, terms))
 
     def without(self, *terms: Term) -> Identified:
-        """Without some of the claimed terms."""
+        """The same without some of the claimed terms."""
         return replace(self, fit=self.fit.without(*terms))

@@ -269,11 +269,11 @@ class Model:
         return bool(np.all(self.beta[span] <= share * whole))
 
     def with_(self, *more: Hypothesis) -> Model:
-        """With hypotheses more; noise is estimated again."""
+        """The model with more hypotheses; noise is estimated again."""
         return Model(self.data, (*self.hypotheses, *more), self)
 
     def without(self, *gone: Hypothesis) -> Model:
-        """Without some of its hypotheses; noise is estimated again."""
+        """The model without some of its hypotheses; noise is estimated again."""
         kept = [h for h in self.hypotheses if all(h is not each for each in gone)]
         return Model(self.data, kept, self)
 

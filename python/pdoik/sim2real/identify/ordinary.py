@@ -83,7 +83,7 @@ class Ordinary:
         return [j for j in range(self.balances.n) if ("torque", j) in self.balances.residual]
 
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """All of it."""
+        """All hypotheses of the ordinary part."""
         found = [h for j in self.joints for h in self._of_joint(j)]
         found += [h for j in self.joints for h in self._of_days(j)]
         found += [h for j in self._reported for h in self._of_calibration(j)]
@@ -164,7 +164,7 @@ class Ordinary:
         return np.array([files.index(each) for each in files], dtype=np.intp)[b.recording]
 
     def fitted_to(self, model: Model, joints: Collection[int]) -> Ordinary:
-        """With what days change, and some joints' Coulomb friction as wide, as is likeliest."""
+        """The likeliest: what days change, and the widths of some joints' Coulomb friction."""
         levels, widths = dict(self.levels), dict(self.widths)
         own = {(h.term.effect, h.term.place): s for h, s in model.placed if h.ordinary}
         for j in self.joints:

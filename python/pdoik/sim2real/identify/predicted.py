@@ -58,7 +58,7 @@ class Noise:
 
     @classmethod
     def of(cls, model: Model) -> Noise:
-        """As a model of recorded rows estimates it; of a balance without rows nothing is known."""
+        """The noise that a model of recorded rows estimates; none of a balance without rows."""
         series = model.data.series
         return cls(
             variance=dict(model.noise),

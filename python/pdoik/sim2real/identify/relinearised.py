@@ -51,7 +51,7 @@ def _gravity_of(fit: Fit) -> FloatArray | None:
 
 
 def _with_feet(prepared: Prepared, fit: Fit) -> Prepared | None:
-    """With other forces on the feet; None where nothing says what these are, or none matters."""
+    """The study with refitted foot forces; None where nothing gives these, or none matters."""
     if not prepared.fit.loads_are_inferred:
         return None
     found = fit.weighted

@@ -109,7 +109,7 @@ def as_trusted(fit: Fit, anomalous: Sequence[Term]) -> Fit:
 
 
 def _folds_given(fit: Fit, term: Term) -> int:
-    """In how many folds a term acts."""
+    """The number of folds in which a term acts."""
     energy = np.zeros(fit.folds)
     for key, column in term.columns.items():
         if key in fit.design:

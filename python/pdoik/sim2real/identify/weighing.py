@@ -71,7 +71,7 @@ class Weighing:
         return self.tuned(State(ordinary=ordinary, chosen=tuple(chosen), model=model))
 
     def tuned(self, state: State, added: Hypothesis | None = None) -> State:
-        """With the choices of the ordinary part as they are likeliest now.
+        """The state with the choices of the ordinary part as they are likeliest now.
 
         Args:
             state: as it is.
@@ -112,7 +112,7 @@ class Weighing:
         return self.tuned(replace(state, ordinary=ordinary, model=model))
 
     def best(self, base: Model, scored: Sequence[Scored]) -> Scored | None:
-        """The likeliest at the noise that it leaves."""
+        """The likeliest of the scored hypotheses, each at the noise that it leaves."""
         found: list[Scored] = []
         fit: Fit | None = None
         for number, each in enumerate(serious(scored)):
@@ -155,7 +155,7 @@ class Weighing:
         return inside > b.thresholds.diagnosis.nothing * whole
 
     def reshaped(self, fit: Fit, hypothesis: Hypothesis, *, again: bool = False) -> Hypothesis:
-        """With gate and nonlinear parameters where they are likeliest with a fit.
+        """The hypothesis with gate and nonlinear parameters where they are likeliest given a fit.
 
         Args:
             fit: of all else.
@@ -174,7 +174,7 @@ class Weighing:
         return replace(hypothesis, term=moved, log_odds=hypothesis.log_odds - price)
 
     def fit_of(self, model: Model) -> Fit:
-        """The same by least squares over rows, for what looks at rows."""
+        """The model by least squares over rows, for what looks at rows."""
         return Fit(self.noisy(model), [each.term for each in model.hypotheses])
 
     def noisy(self, model: Model) -> Balances:

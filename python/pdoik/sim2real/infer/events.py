@@ -16,7 +16,7 @@ _MOST = 3  # of held-out recordings
 
 
 def within(state: Identified, term: Term, channels: tuple[str, ...]) -> Evidence:
-    """Evidence of an event in recordings to fit, held against its own window."""
+    """Evidence of an event in recordings to fit, compared with its own window."""
     return Evidence.once(
         event_support(state.without(term).fit, term, state.start).weight, *channels
     )

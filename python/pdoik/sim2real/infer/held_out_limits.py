@@ -72,6 +72,6 @@ def _share(rest: Fit, term: Term) -> float:
 
 
 def _where(finding: Finding, b: Balances, top: FlatTop) -> Finding:
-    """With the recordings in which it happened, and that nothing else speaks for it."""
+    """The finding with the recordings in which it happened: nothing else speaks for it."""
     names = tuple(m.recording.name for m, rows in zip(b.motions, top.rows, strict=True) if rows)
     return only_held_out(replace(finding, recordings=names), b.thresholds)

@@ -223,7 +223,7 @@ def source_in_words(prepared: Prepared) -> str:
         "duty": "by the drives' duties",
         "tau_cmd": "as commanded (none was reported)",
         "law": "by the controller's law (none was recorded)",
-        "": "not known: positions are held against their commands",
+        "": "not known: positions are compared with their commands",
     }
     return words[prepared.fit.motions[0].source]
 

@@ -34,7 +34,7 @@ class Healthy:
     bias: FloatArray  # (n, 3) root mean square of the column's coefficient in healthy logs [N m]
 
     def content(self) -> dict[str, Any]:
-        """As plain data."""
+        """The figures as plain data."""
         arrays = {name: getattr(self, name).tolist() for name in _SHAPES}
         return {"logs": list(self.logs), "held_out": self.held_out, **arrays}
 

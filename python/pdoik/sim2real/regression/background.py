@@ -1,7 +1,7 @@
 """What every machine has, as smooth curves without names.
 
 Bearings rub, rotors turn with the joints, drawings are a tenth wrong, torque sensors are a little
-off. What is held against a machine that has all of it in every joint is no such thing. What even
+off. A finding must be more than a machine that has all of it in every joint explains. What even
 that leaves is the discrepancy of the model: it counts as noise, and with as few independent samples
 as it has.
 """

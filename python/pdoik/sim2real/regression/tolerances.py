@@ -28,5 +28,5 @@ class Tolerance(Effect):
         return _OF_DRIVES[shape[0]].columns(motion, place, (OF_DRIVE,))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """The tolerance in words."""
         return f"{where} is as exact as its calibration."

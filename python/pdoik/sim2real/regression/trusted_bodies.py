@@ -31,7 +31,7 @@ class _OfThatDay(Effect):
         return {}
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """The effect in words."""
         return f"The friction of {where} differs from day to day."
 
 

@@ -18,7 +18,7 @@ class NoiseThresholds(Group):
         1e-3, "share of a torque's own size below which a log without noise is no better known"
     )
     fit_error: float = threshold(
-        0.01, "share of a mismatch's own size to which the catalogue's laws are held to be exact"
+        0.01, "share of a mismatch's own size to which the catalogue's laws are taken to be exact"
     )
     block: float = threshold(
         1.5, "length of the bootstrap's blocks: longer than residuals remember", "s"

@@ -26,7 +26,7 @@ class ProposeThresholds(Group):
     )
     doubt: float = threshold(
         1.28,
-        "standard deviations that a ratio is held to fall short of what is expected",
+        "standard deviations that a ratio is assumed to fall short of what is expected",
         "s.e.",
         "one motion of ten falls shorter",
     )
