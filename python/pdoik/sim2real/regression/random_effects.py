@@ -17,7 +17,7 @@ from pdoik.recordings import FloatArray
 
 from ..findings import ERRORS
 
-_SAYS = 0.05  # of the weight of the session that says most
+_LEAST_WEIGHT = 0.05  # of the weight of the session that says most
 _HOPELESS = 1e6  # times the least variance
 
 
@@ -54,7 +54,7 @@ def spread_between(values: FloatArray, variances: FloatArray, freedom: int) -> S
     informative = variances < _HOPELESS * max(float(variances.min()), 1e-300)
     beyond = _variance_between(values[informative], variances[informative])
     weight = np.where(informative, 1.0 / (np.maximum(variances, 1e-300) + beyond), 0.0)
-    informative = weight > _SAYS * weight.max()
+    informative = weight > _LEAST_WEIGHT * weight.max()
     value, variance = values[informative], np.maximum(variances[informative], 1e-300)
     count = len(value)
     if count < 2:
