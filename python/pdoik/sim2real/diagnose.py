@@ -1,4 +1,4 @@
-"""From a study to what is wrong with its model: the stages, one after the other."""
+"""The stages from a study to what is wrong with its model, one after the other."""
 
 from __future__ import annotations
 
@@ -67,8 +67,8 @@ def diagnose(
 ) -> Diagnosis:
     """Where and why recordings and model disagree.
 
-    Each recording is held against the model as it was then: with its payload, robot and gains.
-    Friction is a mean over sessions, or recordings; where sessions are told, its spread is given.
+    Each recording is compared with the model as it was then: with its payload, robot and gains.
+    Friction is a mean over sessions, or recordings; its spread is given if the study has sessions.
 
     Args:
         study: a study, or its YAML file.

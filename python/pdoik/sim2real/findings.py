@@ -28,25 +28,25 @@ class Estimate:
 
     value: float
     std: float
-    interval95: tuple[float, float]  # of the mean over sessions, where the study tells of some
+    interval95: tuple[float, float]  # of the mean over sessions, where the study gives sessions
     unit: str
-    spread: float | None = None  # standard deviation from session to session; None: not told
+    spread: float | None = None  # standard deviation from session to session; None: unknown
     spread_p: float | None = None  # probability of such differences if all sessions were alike
 
     @classmethod
     def normal(cls, value: float, std: float, unit: str) -> Estimate:
-        """With the interval of a normal error."""
+        """An estimate with the interval of a normal error."""
         interval = (value - ERRORS * std, value + ERRORS * std)
         return cls(value=value, std=std, interval95=interval, unit=unit)
 
     def wider(self, by: float) -> Estimate:
-        """With one more standard error beside its own, each end as far as it was."""
+        """The estimate with one more standard error added to its own, each end as far as it was."""
         below, above = (math.hypot(end - self.value, ERRORS * by) for end in self.interval95)
         interval = (self.value - below, self.value + above)
         return replace(self, std=math.hypot(self.std, by), interval95=interval)
 
     def moved(self, value: float) -> Estimate:
-        """Elsewhere, its interval as wide."""
+        """The estimate at another value, its interval as wide."""
         low, high = self.interval95
         by = value - self.value
         return replace(self, value=value, interval95=(low + by, high + by))
@@ -86,13 +86,13 @@ class Support:
 
     @property
     def odds(self) -> float:
-        """Its log odds; 0 of what was never weighed beside all else."""
+        """The log odds; 0 of what was never compared with all else."""
         return self.log_odds or 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:
-    """By how much a finding lowers the squared residual of recordings it was not fitted to."""
+    """How much a finding lowers the squared residual of recordings it was not fitted to."""
 
     validation_gain: float  # share of the mean square residual, 0 to 1
     interval95: tuple[float, float]
@@ -101,7 +101,7 @@ class Evidence:
 
     @classmethod
     def once(cls, share: float, *channels: str) -> Evidence:
-        """Of what was seen once: there is nothing to take an interval from."""
+        """Evidence of what was seen once: there is nothing to take an interval from."""
         return cls(validation_gain=share, interval95=(share, share), channels=channels)
 
 
@@ -150,9 +150,9 @@ class Finding:
 class Residue:
     """What of a joint nothing explains: by which variable it is seen most."""
 
-    of: str = ""  # speed, position, load, time; "" where none of them tells much of it
+    of: str = ""  # speed, position, load, time; "" where none of them explains much of it
     share: float = 0.0  # of its mean square that goes with this variable
-    outstanding: float = 0.0  # times what the other joints keep beside their friction; 0: usual
+    outstanding: float = 0.0  # times the others' rest relative to friction; 0: usual
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,10 +183,10 @@ class ControllerEstimate:
     error: float = 0.0  # root mean square that it leaves of it, in the effort's unit
     in_band: float = 0.0  # share that a law of any kind explains in the band of the motion
     data: str = ""  # the recordings it was judged on
-    given_wrong: dict[str, float] = field(default_factory=dict)  # gains that the study tells
+    given_wrong: dict[str, float] = field(default_factory=dict)  # gains that the study gives
     untellable: tuple[str, ...] = ()  # what it hides, in words
     drive: dict[str, Estimate] = field(default_factory=dict)  # of a motor driven by a voltage
-    load: dict[str, Estimate] = field(default_factory=dict)  # what such a motor tells of it
+    load: dict[str, Estimate] = field(default_factory=dict)  # what such a motor shows of it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,7 +201,7 @@ class OrdinaryPart:
     links: tuple[str, ...] = ()
     parameter: str = ""
     estimate: Estimate = Estimate(value=0.0, std=0.0, interval95=(0.0, 0.0), unit="-")
-    negligible: bool = True  # not surely there, or little beside what nothing explains
+    negligible: bool = True  # not surely there, or little compared with what nothing explains
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -211,7 +211,7 @@ class Diagnosis:
     verdict: Verdict
     findings: tuple[Finding, ...]
     joints: dict[str, JointFit]
-    notes: tuple[str, ...] = ()  # what was repaired, assumed or cannot be told, in words
+    notes: tuple[str, ...] = ()  # what was repaired, assumed or cannot be known, in words
     suspected: tuple[Finding, ...] = ()  # of low confidence: not claimed, and not in the model
     thresholds: dict[str, dict[str, float]] = field(default_factory=dict)  # by stage and name
     controllers: tuple[ControllerEstimate, ...] = ()  # of each joint

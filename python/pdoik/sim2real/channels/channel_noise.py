@@ -32,14 +32,14 @@ class Heard:
     """Share of a channel's noise that is found again in the controller's torque, per joint."""
 
     share: FloatArray  # (n,)
-    error: FloatArray  # (n,), NaN where it cannot be told
+    error: FloatArray  # (n,), NaN where it is unknown
 
 
 class ChannelNoise:
     """What is in the channels of some recordings above the frequencies of motion.
 
     Every segment of a recording is windowed and transformed; over the upper half of the spectrum
-    the median of the squares tells the variance of white noise: an arm that hums has a line there.
+    the median of the squares gives the variance of white noise: an arm that hums has a line there.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class ChannelNoise:
         self._cache: dict[str, ComplexArray | None] = {}
 
     def spectra(self, channel: str) -> ComplexArray | None:
-        """A channel's, (segments, frequencies, n), each joint's as its usual unit would have it.
+        """A channel's spectra, (segments, frequencies, n), each joint's in its usual unit.
 
         NaN for joints without it; None where no joint has it.
         """

@@ -59,7 +59,7 @@ def check_channels(prepared: Prepared) -> ChannelCheck:
 
 
 def _torque_of_current(prepared: Prepared) -> tuple[Study, list[str]]:
-    """Currents turned into torques by the constants that fit the model best, beside friction."""
+    """Currents turned into torques by the constants that fit the model best, with friction."""
     study, b = prepared.study, prepared.fit
     constants = np.full(b.n, np.nan)
     for j in range(b.n):
@@ -92,7 +92,7 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
 
     Of the command where it was recorded. Of the controller's law only where the model agrees, since
     the law is worked out with positions and speeds that may lie themselves. Else of the model's,
-    beside all that an ordinary machine has.
+    with all that an ordinary machine has as nuisance terms.
     """
     result, limits = {}, b.thresholds.channels
     by_model = factors_by_model(b)
@@ -103,8 +103,8 @@ def _factors(b: Balances) -> dict[int, tuple[float, float]]:
             found = _factor(b, j, [_commanded(m, j) for m in b.motions])
         elif all(m.has_law(j) for m in b.motions):
             found = _factor(b, j, [_commanded(m, j) for m in b.motions])
-            beside = _factor(b, j, [_with_rotor(m, j) for m in b.motions])
-            if found is not None and (beside is None or not _agree(b, beside[0] / found[0])):
+            modelled = _factor(b, j, [_with_rotor(m, j) for m in b.motions])
+            if found is not None and (modelled is None or not _agree(b, modelled[0] / found[0])):
                 found = None
         else:
             found = by_model.get(j)
@@ -128,7 +128,7 @@ def _limited(b: Balances, j: int) -> bool:
 
 
 def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, float] | None:
-    """Joint j's torque over the first column, beside the others; None where that is near one."""
+    """Joint j's torque over the first column, the others fitted too; None where it is near one."""
     limits, (torque, A) = b.thresholds.channels, _rows(b, j, columns)
     if len(torque) < 30 or not np.any(A[:, 0]):
         return None
@@ -166,7 +166,7 @@ def _own(m: Motion, j: int) -> FloatArray:
 
 
 def _with_rotor(m: Motion, j: int) -> FloatArray:
-    """`_own` and the column of a rotor that nobody told of; (T, 5)."""
+    """`_own` and the column of a rotor that is not given; (T, 5)."""
     return np.hstack([_own(m, j), m.ddq[:, j, None]])
 
 

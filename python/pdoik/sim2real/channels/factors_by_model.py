@@ -1,8 +1,8 @@
-"""By which factor a torque is not the model's, beside all that an ordinary machine has.
+"""Factor between a torque and the model's, with all that an ordinary machine has.
 
 Friction, rotors, drawings that are a tenth wrong, a payload and a base that is mounted some other
 way are fitted with it, so that none of them is taken for a factor. Where the factor itself cannot
-be known, friction tells the sign: it takes power, and a joint whose friction drives it has its
+be known, friction gives the sign: it takes power, and a joint whose friction drives it has its
 torque the wrong way round.
 """
 
@@ -59,7 +59,7 @@ def _gravity(balances: Balances) -> list[Term]:
 
 
 def _loaded(term: Term, last: int) -> Term:
-    """Without what usually holds the last link's body near the model's."""
+    """The term without the prior that keeps the last link's body near the model's."""
     body = term.effect == TRUST and term.place.link == last
     return replace(term, prior=term.prior / _LOADED**2) if body else term
 
@@ -73,7 +73,7 @@ def _judged(
     b, j = base.balances, scale.place.joints[0]
     limits = b.thresholds.channels
     key: Key = ("torque", j)
-    if not len(base.rows[key]):  # it rests wherever anything could be told
+    if not len(base.rows[key]):  # it rests wherever anything could be known
         return None
     own = replace(scale, prior=scale.prior / _ANY**2)
     fit = base.without(scale).extended(own)

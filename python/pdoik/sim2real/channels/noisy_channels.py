@@ -29,7 +29,7 @@ class _Noisy:
     joint: int
     times: float  # as noisy as it should be
     added: float  # share of the noise's power that was never in what the controller read
-    heard: bool  # told by what the controller read, else by the other joints' noise
+    heard: bool  # found by what the controller read, else by the other joints' noise
 
 
 def noisy_channels(prepared: Prepared, study: Study) -> tuple[Finding, ...]:
@@ -160,7 +160,7 @@ def _moves(study: Study, noise: ChannelNoise, channel: str, j: int) -> bool:
 def _beyond(limits: ChannelThresholds, others: FloatArray, candidates: int) -> float:
     """Noise that no sound joint has, from that of the others: Student's t on a log scale.
 
-    A few joints tell their spread badly, so it is shrunk to what is usual.
+    A few joints say little of their spread, so it is shrunk to what is usual.
     """
     logs = np.log(others)
     middle = float(np.mean(logs))

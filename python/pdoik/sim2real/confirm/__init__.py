@@ -1,7 +1,7 @@
-"""What was identified, held against simulations of the whole arm.
+"""What was identified, compared with simulations of the whole arm.
 
-Comes in: `Identified`. Goes out: another, in which names that a regression confuses are told apart
-by rollouts, and figures are moved to where rollouts leave least. Next: infer.
+Comes in: `Identified`. Goes out: another, in which names that a regression confuses are
+distinguished by rollouts, and figures are moved to where rollouts leave least. Next: infer.
 """
 
 from .confirm_by_simulation import confirmed_by_simulation, run_without

@@ -38,8 +38,8 @@ def confirmed_by_simulation(
     for term in doubtful:
         if term not in state.accepted:
             continue
-        beside = _stand_ins(state, term)
-        bare = _with(state, [t for t in state.accepted if t not in beside])
+        stand_ins = _stand_ins(state, term)
+        bare = _with(state, [t for t in state.accepted if t not in stand_ins])
         own, bare = _simulated(arm, sketch, bare, seed)
         for rival in _rivals(bare, term):
             other = _with(bare, [rival if t is term else t for t in bare.accepted])
@@ -52,10 +52,10 @@ def confirmed_by_simulation(
                 say(f"{described(prepared, rival)} in the place of {described(prepared, term)}")
                 term, own, bare = rival, tried, other
             else:
-                bare = _told(bare, term, rival, listed=by > -clearly)
+                bare = _with_rival(bare, term, rival, listed=by > -clearly)
         if own is None:
             continue
-        for each in beside:
+        for each in stand_ins:
             wider = _with(bare, [*bare.accepted, each])
             tried, wider = _simulated(arm, sketch, wider, seed)
             keys = {*term.columns, *each.columns}
@@ -66,7 +66,7 @@ def confirmed_by_simulation(
 
 
 def _stand_ins(state: Identified, term: Term) -> list[Term]:
-    """What may have been put beside a term to make up for what its columns miss."""
+    """What may have been added to a term to make up for what its columns miss."""
     if not CATALOGUE[term.effect].shown_poorly:
         return []
     return [
@@ -86,7 +86,7 @@ def _is_doubtful(state: Identified, term: Term) -> bool:
 
 
 def _with(state: Identified, accepted: Sequence[Term]) -> Identified:
-    """As if these had been accepted."""
+    """The state as if these had been accepted."""
     return state.fitted((*state.nuisance, *accepted))
 
 
@@ -163,15 +163,15 @@ def _rivals(state: Identified, term: Term) -> list[Term]:
         and each.place == term.place
         and not any(t.key == each.key for t in others.terms)
     ]
-    beside = OneMore(others)
+    one_more = OneMore(others)
     best: dict[str, Term] = {}
-    for each in sorted(pool, key=beside.gain):
+    for each in sorted(pool, key=one_more.gain):
         best[each.effect] = each
     return [refined(others, each) for each in best.values()]
 
 
 def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
-    """By how many standard errors `one` leaves less than the other; negative if more."""
+    """How many standard errors `one` leaves less than the other; negative if more."""
     blocks = np.zeros(int(arm.data.block.max()) + 1)
     total = 0.0
     for key in keys & set(arm.rows):
@@ -184,8 +184,8 @@ def nearer(arm: Arm, one: Rollout, other: Rollout, keys: set[Key]) -> float:
     return float(blocks.sum()) / max(error, 1e-12)
 
 
-def _told(state: Identified, term: Term, rival: Term, *, listed: bool) -> Identified:
-    """With the rival among the names that data cannot tell from the term's, or without it."""
+def _with_rival(state: Identified, term: Term, rival: Term, *, listed: bool) -> Identified:
+    """The state with, or without, the rival among the names that fit the data as well."""
     rest = [r for r in state.rivals.get(term.key, ()) if r.term.effect != rival.effect]
     own = state.support[term.key].odds if term.key in state.support else 0.0
     first = [Weighed(term=rival, log_odds=own)] if listed else []

@@ -78,7 +78,7 @@ class _Figure:
     term: int
     name: str
     error: float
-    scale: float  # how far it may be off by its nature, held against what data say
+    scale: float  # how far it may be off by its nature, compared with what data say
     most: float  # that it may move in one step
     lower: float
     upper: float

@@ -1,4 +1,4 @@
-"""The whole arm simulated forward from its commands, with what was found, held against recordings.
+"""The whole arm simulated forward from its commands, with what was found, compared with recordings.
 
 A regression along the recorded motion sees what differentiation and filtering leave of an effect,
 and takes the recorded motion for granted. The simulation does not: it runs the controller, the
@@ -52,7 +52,7 @@ class Rollout:
 
 
 def huber(left: FloatArray) -> FloatArray:
-    """Huber's: a knock between two samples may be logged in either."""
+    """Huber's loss, (N,): a knock between two samples may be logged in either."""
     size = np.abs(left)
     return np.asarray(np.where(size < FAR, size**2, FAR * (2.0 * size - FAR)))
 
@@ -63,7 +63,7 @@ class Arm:
     def __init__(
         self, prepared: Prepared, fit: Fit, *, held_out: bool = False, steps: int = STEPS
     ) -> None:
-        """Of the recordings to fit, or of those held out: as much of each as `steps` allow.
+        """Takes the recordings to fit, or those held out: as much of each as `steps` allow.
 
         Raises:
             ValueError: there is nothing to simulate: see `why_not`.
@@ -139,7 +139,7 @@ def why_not(study: Study) -> str:
 
 
 def _beginnings(recordings: Sequence[Recording], longest: float) -> tuple[Recording, ...]:
-    """At most so many seconds of each."""
+    """The beginning of each recording, `longest` seconds at most."""
     counts = [min(len(each.time), int(longest / each.period)) for each in recordings]
     return tuple(
         each if count == len(each.time) else part(each, 0, count)
@@ -153,7 +153,7 @@ def _plain(term: Term, values: Values) -> dict[str, Estimate]:
 
 
 def _as_logged(simulated: Recording, recorded: Recording) -> Recording:
-    """Only with the channels that were recorded."""
+    """The simulated recording, only with the channels that were recorded."""
     return replace(
         simulated,
         dq=None if recorded.dq is None else simulated.dq,

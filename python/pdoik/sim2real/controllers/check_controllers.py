@@ -31,7 +31,7 @@ class ControllerCheck:
     study: Study
     estimates: tuple[ControllerEstimate, ...]
     notes: tuple[str, ...]
-    findings: tuple[Finding, ...]  # of drives, where nobody told their controllers
+    findings: tuple[Finding, ...]  # of drives whose controllers are not given
     changed: bool  # whether the study is another than before
 
 
@@ -40,10 +40,10 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
     study = prepared.study
     limits = study.thresholds.controllers
     fit = [thinned(r) for r in study.fit]
-    held = [thinned(r) for r in study.validate]
+    judges = [thinned(r) for r in study.validate]
     feeds = Feeds(prepared.body)
-    laws = [joint_law(name, j, fit, held, feeds, limits) for j, name in enumerate(study.joints)]
-    drives = Drives.of(prepared, fit, held, feeds)
+    laws = [joint_law(name, j, fit, judges, feeds, limits) for j, name in enumerate(study.joints)]
+    drives = Drives.of(prepared, fit, judges, feeds)
     estimates = [compared(law, given_gains(study, j), limits) for j, law in enumerate(laws)]
     changed = _with_released(study, laws)
     motors: list[Motor | None] = [None] * len(laws)
@@ -70,18 +70,18 @@ def check_controllers(prepared: Prepared) -> ControllerCheck:
         for j, (each, motor, load) in enumerate(zip(estimates, motors, loads, strict=True))
     ]
     controller = _known(changed, estimates, motors)
-    # What nobody told of an arm's law is reported, not run: simulations would rest on it.
-    told = study.told is not None or study.controller is not None
-    asked = told or any(motor is not None for motor in motors)
+    # What is not given of an arm's law is reported, not run: simulations would rest on it.
+    given = study.told is not None or study.controller is not None
+    asked = given or any(motor is not None for motor in motors)
     if asked and controller is not None and controller is not study.controller:
         changed = replace(changed, controller=controller)
     estimates = [
         with_untellable(each, study, _released(changed, j)) for j, each in enumerate(estimates)
     ]
-    untold = study.controller is None and changed.controller is None
+    unknown = study.controller is None and changed.controller is None
     return ControllerCheck(
         study=changed,
-        findings=drive_findings(drives) if untold else (),
+        findings=drive_findings(drives) if unknown else (),
         estimates=tuple(estimates),
         notes=tuple(_notes(study, changed, estimates, motors, loads)),
         changed=changed is not study,
@@ -119,7 +119,7 @@ def _notes(
 
 
 def _with_rotors(study: Study, motors: Sequence[Motor | None]) -> Study:
-    """With the rotors' inertias that were fitted with the motors, where none was told."""
+    """The study with the rotors' inertias that were fitted with the motors, where none is given."""
     own = np.zeros(len(motors)) if study.rotor_inertia is None else study.rotor_inertia
     found = [
         own[j] if motor is None or motor.given_rotor else motor.rotor.value
@@ -146,7 +146,7 @@ def _logged(study: Study, joint: str) -> bool:
 
 
 def _with_released(study: Study, laws: Sequence[JointLaw]) -> Study:
-    """With the samples at which drives have let go."""
+    """The study with the samples at which drives have let go."""
     limits = study.thresholds.controllers
     recordings = []
     for r in study.recordings:
@@ -161,7 +161,7 @@ def _with_released(study: Study, laws: Sequence[JointLaw]) -> Study:
 def _known(
     study: Study, estimates: Sequence[ControllerEstimate], motors: Sequence[Motor | None]
 ) -> Controller | None:
-    """The law with what was estimated in place of what was not known, or was told wrong.
+    """The law with what was estimated in place of what was not known, or was given wrong.
 
     The study's own where nothing is better; None where a joint's is not known well enough.
     """
@@ -172,11 +172,11 @@ def _known(
     if not believed or (own is not None and not wrong):
         return own
     if study.told is not None and study.told.type in ("pid", "cascade", "table") and not wrong:
-        return own  # a law of more terms was told than these recordings show
+        return own  # a law of more terms was given than these recordings show
     kp, kd, gravity = (_gain(estimates, name) for name in ("kp", "kd", "gravity"))
     units = {each.unit for each in estimates}
-    told = study.told
-    if own is not None and own.type == "pd":  # what is told wrong is a position gain
+    given = study.told
+    if own is not None and own.type == "pd":  # what is given wrong is a position gain
         wrong_at = [bool(each.given_wrong) for each in estimates]
         return replace(own, kp=np.where(wrong_at, kp, own.kp))
     if units == {"N m"}:
@@ -185,17 +185,17 @@ def _known(
             kd=kd,
             gravity_compensation=bool(gravity.any()),
             gravity_factor=gravity if gravity.any() else None,
-            torque_limit=_limit(estimates, told),
-            period=_period(estimates, told),
+            torque_limit=_limit(estimates, given),
+            period=_period(estimates, given),
         )
     if units == {"1"} and all(motors):
-        drive = _drive(study, estimates, [motor for motor in motors if motor is not None], told)
+        drive = _drive(study, estimates, [motor for motor in motors if motor is not None], given)
         volts = drive.torque_per_volt * drive.volts
         return Controller(
             type="voltage",
             kp=volts * kp,
             kd=volts * kd + drive.back_emf,
-            period=_period(estimates, told),
+            period=_period(estimates, given),
             drive=drive,
             kp_duty=kp,
             kd_duty=kd,
@@ -207,17 +207,17 @@ def _drive(
     study: Study,
     estimates: Sequence[ControllerEstimate],
     motors: Sequence[Motor],
-    told: GivenController | None,
+    given: GivenController | None,
 ) -> VoltageDrive:
     def limit(j: int) -> float:
-        if told is not None and told.duty_limit is not None:
-            return float(told.duty_limit[j])
+        if given is not None and given.duty_limit is not None:
+            return float(given.duty_limit[j])
         found = estimates[j].gains.get("limit")
         return 1.0 if found is None else found.value
 
     every = range(len(motors))
     volts = [
-        float(np.median(np.concatenate([supply(r, j, told) for r in study.fit]))) for j in every
+        float(np.median(np.concatenate([supply(r, j, given) for r in study.fit]))) for j in every
     ]
     return VoltageDrive(
         torque_per_volt=np.array([motor.torque_per_volt.value for motor in motors]),
@@ -235,18 +235,18 @@ def _gain(estimates: Sequence[ControllerEstimate], name: str) -> FloatArray:
 
 
 def _limit(
-    estimates: Sequence[ControllerEstimate], told: GivenController | None
+    estimates: Sequence[ControllerEstimate], given: GivenController | None
 ) -> FloatArray | None:
-    if told is not None and told.torque_limit is not None:
-        return told.torque_limit
+    if given is not None and given.torque_limit is not None:
+        return given.torque_limit
     found = [each.gains.get("limit") for each in estimates]
     if not any(found):
         return None
     return np.array([_NEVER if each is None else each.value for each in found])
 
 
-def _period(estimates: Sequence[ControllerEstimate], told: GivenController | None) -> float | None:
-    if told is not None and told.period is not None:
-        return told.period
+def _period(estimates: Sequence[ControllerEstimate], given: GivenController | None) -> float | None:
+    if given is not None and given.period is not None:
+        return given.period
     found = [each.gains["period"].value for each in estimates if "period" in each.gains]
     return float(np.median(found)) if found else None

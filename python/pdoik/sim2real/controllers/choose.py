@@ -77,7 +77,7 @@ def searched(pieces: Sequence[Piece], limits: ControllerThresholds) -> Fitted:
     """Terms added to a PD law one after the other, the likeliest first."""
     extras = tuple(name for name in _FED if any(np.ptp(getattr(p, name)) > 0.0 for p in pieces))
     knees = tuple(f"knee {knee:.6g}" for knee in _knees(pieces))
-    # What a law misses is slow, and looks like few samples: they are counted beside all terms.
+    # What a law misses is slow, and looks like few samples: they are counted with all terms in.
     flexible = Form(kind="pid", extras=("travel", *extras, *knees))
     count = Fitted(form=flexible, pieces=tuple(pieces)).whole.rows
     best = tuned(Fitted(form=Form(), pieces=tuple(pieces), rows=count), limits)
@@ -116,7 +116,7 @@ def _wider(pieces: Sequence[Piece], form: Form, extras: Sequence[str]) -> list[F
     if form.kind == "pd":
         forms.append(replace(form, kind="pid"))
         if "rate" in extras:
-            # One that is told the desired speed is the same as a PID law.
+            # One that gets the desired speed is the same as a PID law.
             forms.append(replace(form, kind="cascade"))
         knees = _knees(pieces)
         forms += [replace(form, kind="table", knees=knees)] if len(set(knees)) > 1 else []

@@ -42,7 +42,7 @@ class Limit:
     fall: float = 0.0  # one over the no-load speed [s/rad]; 0: the same at all speeds
 
     def most(self, along: FloatArray) -> FloatArray:
-        """At speeds along the effort, (N,)."""
+        """The most that is given at speeds along the effort, (N,)."""
         return np.asarray(self.level * np.maximum(1.0 - along * self.fall, _LEAST))
 
 
@@ -66,7 +66,7 @@ class CutOff:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Rows:
-    """Of all recordings."""
+    """Rows of all recordings."""
 
     law: FloatArray  # (N, p)
     effort: FloatArray
@@ -79,7 +79,7 @@ class _Rows:
         return max(_BLUR * limit.level, _NOISES * self.noise)
 
     def model(self, *more: Parameter, used: FloatArray | float = 1.0) -> LinearModel:
-        """The law on the rows that are used, (N, 1), beside more."""
+        """The law on the rows that are used, (N, 1), with more parameters."""
         law = Parameter(name="law", columns=self.law * used)
         return LinearModel(target=self.effort, parameters=(law, *more), parts=self.parts)
 
@@ -159,7 +159,7 @@ def _below(strips: Sequence[Strip], rows: _Rows, limit: Limit) -> list[Strip]:
 
 
 def _rows(strips: Sequence[Strip]) -> _Rows | None:
-    """None where there are too few."""
+    """Rows of all strips; None where there are too few."""
     law = explicit(strips)
     if len(law) < 2 * law.shape[1]:
         return None
@@ -200,7 +200,7 @@ def _best(rows: _Rows) -> _Cut | None:
 
 
 def _settled(rows: _Rows, cut: _Cut) -> _Cut:
-    """With rows at the limit and figures by turns, as long as less is left."""
+    """The cut with rows at the limit and figures by turns, as long as less is left."""
     for _ in range(_TURNS):
         other = _turned(rows, cut.limit, _at(rows, cut.limit, cut.asked))
         if other is None or other.rss >= cut.rss:

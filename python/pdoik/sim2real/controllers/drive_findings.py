@@ -53,7 +53,7 @@ class Drives:
         judges: Sequence[Recording],
         feeds: Feeds,
     ) -> Drives:
-        """Of a study's recordings, thinned."""
+        """The drives of a study's recordings, thinned."""
         return cls(
             prepared=prepared,
             fit=_strips(prepared, fit, feeds),
@@ -66,7 +66,7 @@ class Drives:
 
 
 def drive_findings(drives: Drives) -> tuple[Finding, ...]:
-    """Of joints whose controller nobody told, by commands, motion and effort alone."""
+    """Findings of joints without a given controller, by commands, motion and effort alone."""
     prepared, judges = drives.prepared, drives.judges
     limits = prepared.study.thresholds.controllers
     late = {each.joint: each for each in lateness.later_ones(drives.fit, limits)}
@@ -77,15 +77,15 @@ def drive_findings(drives: Drives) -> tuple[Finding, ...]:
             found.append(cut)
             late.pop(j, None)  # what is cut off also comes late
     for j, each in late.items():
-        held = lateness.gained_by(each, judges[j]) if j in judges else None
-        found.append(_stated(prepared, j, *_delayed(each), each.support, held))
+        judged = lateness.gained_by(each, judges[j]) if j in judges else None
+        found.append(_stated(prepared, j, *_delayed(each), each.support, judged))
     return tuple(found)
 
 
 def _strips(
     prepared: Prepared, logged: Sequence[Recording], feeds: Feeds
 ) -> dict[int, tuple[Strip, ...]]:
-    """By joint, of those whose effort and command were logged."""
+    """Strips by joint, of those whose effort and command were logged."""
     limits = prepared.study.thresholds.controllers
     found = {}
     for j in range(len(prepared.study.joints)):
@@ -119,8 +119,8 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
     top = ceiling_of(prepared.fit.motions, j, limits)
     if top is None or _given(prepared, j, top.level):
         return None
-    held = None if prepared.validate is None else prepared.validate.motions
-    again = top.pile if held is None else pile_at(top, held, j, limits)
+    judges = None if prepared.validate is None else prepared.validate.motions
+    again = top.pile if judges is None else pile_at(top, judges, j, limits)
     if again is None:
         return None
     if again < limits.piled:  # what only judges must show it too, or it twice as clearly
@@ -143,13 +143,13 @@ def _top(prepared: Prepared, j: int) -> Finding | None:
 
 
 def _cut(drives: Drives, j: int) -> Finding | None:
-    """Beyond which joint j gives less than its law asks for."""
+    """The limit beyond which joint j gives less than its law asks for."""
     prepared, limits = drives.prepared, drives.prepared.study.thresholds.controllers
     cut = cut_off.cut_off(j, drives.fit[j], limits) if _in_torque(prepared, j) else None
     if cut is None or _given(prepared, j, cut.level):
         return None
-    held = cut_off.gained_by(cut, drives.judges[j]) if j in drives.judges else None
-    return _stated(prepared, j, *_limited(cut), cut.support, held)
+    judged = cut_off.gained_by(cut, drives.judges[j]) if j in drives.judges else None
+    return _stated(prepared, j, *_limited(cut), cut.support, judged)
 
 
 def _limited(
@@ -167,7 +167,7 @@ def _limited(
 
 
 def _delayed(late: Late) -> tuple[str, str, Values, tuple[str, tuple[float, ...]]]:
-    """Beside the others' time: that is in the log, not in the drive."""
+    """The same, over the others' time: that is in the log, not in the drive."""
     if late.of == "lag":
         figures = {"time_constant": (late.time, late.std)}
         return ActuatorLag.id, CommandDelay.id, figures, ("torque", (OF_TORQUE, late.time))

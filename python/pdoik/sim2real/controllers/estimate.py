@@ -18,7 +18,7 @@ from .law import Fitted
 from .rows import EFFORTS, Piece, effort_of, pieces_of
 
 _RESTING = 50  # samples without a change that are a rest
-_LEAST_HELD = 20  # changes by which a period is told
+_LEAST_HELD = 20  # changes by which a period is found
 _STEADY = 0.8  # share of them that come in time
 _DELAYS = {"effort": "delay", "command": "command_delay", "speed": "speed_delay"}
 _NAMES = {"rate": "kd_command", "ratio": "kp"}

@@ -25,14 +25,14 @@ class Feed:
 
 
 class Feeds:
-    """Of recordings, each worked out once."""
+    """Feeds of recordings, each worked out once."""
 
     def __init__(self, body: RigidBody | None) -> None:
         self._body = body
         self._known: dict[tuple[str, int], Feed | None] = {}
 
     def of(self, r: Recording) -> Feed | None:
-        """None where nothing is known of bodies, or a joint was not logged."""
+        """The feed of a recording; None without a known body, or where a joint was not logged."""
         key = (r.name, len(r.time))
         if key not in self._known:
             self._known[key] = self._worked_out(r)

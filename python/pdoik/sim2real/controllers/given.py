@@ -1,4 +1,4 @@
-"""What the study gives of a controller's gains, beside what its effort shows."""
+"""What the study gives of a controller's gains, compared with what its effort shows."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def given_gains(study: Study, j: int) -> dict[str, float]:
 def compared(
     law: JointLaw, gains: dict[str, float], limits: ControllerThresholds
 ) -> ControllerEstimate:
-    """With the position gain given, if the effort contradicts it.
+    """The estimate with the position gain given, if the effort contradicts it.
 
     Only where the law's own effort was logged and is explained, and in every recording by itself:
     what one of them has is no gain. Dampings and integrals are not judged: a speed that is logged

@@ -1,4 +1,4 @@
-"""How late a joint's effort answers its command, beside the other joints of the same machine.
+"""How late a joint's effort answers its command, compared with the machine's other joints.
 
 Every log is late by its filters, and every joint of a machine by the same ones: what is later than
 the others is something of its own.
@@ -45,7 +45,7 @@ class Curve:
 
     @property
     def likelihood(self) -> FloatArray:
-        """Logarithm, of as many rows as are independent where the best law is, (times,)."""
+        """Log likelihood, of as many rows as are independent where the best law is, (times,)."""
         rows = self.laws[int(np.argmin(self.rss))].rows
         return np.asarray(-0.5 * rows * np.log(np.maximum(self.rss, 1e-300)))
 
@@ -84,7 +84,7 @@ def in_time(joints: Mapping[int, Sequence[Strip]]) -> dict[int, tuple[Strip, ...
 
 
 def curves_of(strips: Sequence[Strip]) -> tuple[Curve, ...]:
-    """By what is late."""
+    """One curve for each kind of lateness: delay, lag."""
     return tuple(
         Curve(of=of, laws=tuple(_law(strips, of, float(t)) for t in _TIMES)) for of in _EFFECTS
     )

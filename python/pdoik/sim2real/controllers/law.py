@@ -1,7 +1,7 @@
 """Laws that a joint's effort may obey, with all their figures fitted together, and their evidence.
 
 Gains are linear in the effort. Delay, filter and the ratio of a cascade are not: they are fitted by
-their derivatives beside the gains (Gauss and Newton), and have errors and priors like these.
+their derivatives together with the gains (Gauss and Newton), and have errors and priors like these.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Form:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the coefficients, the constants left out."""
+        """Names of the coefficients, the constants left out."""
         base: dict[Kind, tuple[str, ...]] = {
             "pd": ("kp", "kd"),
             "pid": ("kp", "kd", "ki"),
@@ -66,11 +66,11 @@ class Form:
 
     @property
     def nonlinear(self) -> tuple[str, ...]:
-        """Of its other figures, those that it has."""
+        """Names of its nonlinear figures, those that it has."""
         return tuple(name for name in _SCALES if getattr(self, name) > 0.0)
 
     def moved(self, values: Mapping[str, float]) -> Form:
-        """With other times, or another ratio."""
+        """The form with other times, or another ratio."""
         delay, lag, ratio = (values.get(name, getattr(self, name)) for name in _SCALES)
         return replace(self, delay=delay, lag=lag, ratio=ratio)
 
@@ -132,7 +132,7 @@ class Fitted:
 
     @property
     def gains(self) -> FloatArray:
-        """In the order of `Form.names`."""
+        """The gains, in the order of `Form.names`."""
         return np.array([self.linear.value(name) for name in self.form.names])
 
     def over(self, other: Fitted) -> float:
@@ -140,7 +140,7 @@ class Fitted:
         return self.whole.over(other.whole, self.rows)
 
     def constant(self, number: int = 0) -> float:
-        """Of the recording of that number, where each has its own."""
+        """The constant of the recording of that number, where each has its own."""
         return float(self.linear.of("bias")[number if self.form.integrates else 0])
 
 
@@ -206,7 +206,7 @@ def _with_ratio(law: Fitted) -> Fitted:
 
 
 def _improved(law: Fitted, limits: ControllerThresholds) -> Fitted:
-    """With times and ratio where it fits best."""
+    """The law with times and ratio where it fits best."""
     ends = {"delay": (0.0, limits.longest_delay), "lag": (0.0, limits.longest_delay)}
     ends["ratio"] = _RATIOS
     for _ in range(_ROUNDS):

@@ -1,6 +1,6 @@
 """Linear controller regression: a joint's effort by all that any linear law is made of.
 
-A log is coarse beside a controller's ticks: with gains of thousands the steps of an encoder are
+A log is coarser than a controller's ticks: with gains of thousands the steps of an encoder are
 most of what it shows of the effort. Within the band of the motion they are not, and there each law
 of PD, PID or cascade, with what is fed forward, is linear in the same few columns: error, its
 integral, speeds, gravity and rotors. All of them are fitted together with priors: whose law it is,
@@ -46,7 +46,7 @@ class Strip(Piece):
         return np.flatnonzero(self.use)[:: self.step]
 
     def moved(self, time: float) -> Strip:
-        """With the effort as it was so much later [s]: its channel was logged that late."""
+        """The strip with its effort taken so much later [s]: the channel was logged that late."""
         return replace(self, effort=shifted(self.effort, -time, self.period))
 
     def columns(self, delay: float = 0.0, lag: float = 0.0) -> FloatArray:
@@ -58,7 +58,7 @@ class Strip(Piece):
         every = np.stack(parts, axis=1)
         return lagged(every, lag, self.period) if lag > 0.0 else every
 
-    def beside_slow(self, delay: float, lag: float) -> tuple[FloatArray, FloatArray]:
+    def less_slow(self, delay: float, lag: float) -> tuple[FloatArray, FloatArray]:
         """Columns (N, 11) and efforts (N,) of picked rows, less what changes slowly."""
         at = self.picked
         base, _ = np.linalg.qr(self.slow[at])
@@ -75,15 +75,15 @@ class Gained:
 
     @property
     def share(self) -> float:
-        """Of them; 0 where there are none."""
+        """The share taken; 0 where nothing was left."""
         return float(self.by.sum()) / max(float(self.of.sum()), 1e-300)
 
     def evidence(self, channels: tuple[str, ...]) -> Evidence:
-        """Of recordings that nothing was learnt from."""
+        """Evidence by recordings that nothing was learnt from."""
         return replace(share_by_blocks(self.by, self.of, _SEED), channels=channels)
 
     def support(self, strips: Sequence[Strip], log_odds: float) -> Support:
-        """Of what was learnt from these strips."""
+        """Support by the strips that it was learnt from."""
         used = self.by[self.of > 0.0]
         error = float(np.std(used) * np.sqrt(len(used)))
         each = [self.by[np.unique(strip.block[strip.use])].sum() for strip in strips]
@@ -135,8 +135,8 @@ def _strip(piece: Piece, cutoff: float, limits: ControllerThresholds, first: int
 
 
 def law_of(strips: Sequence[Strip], delay: float = 0.0, lag: float = 0.0) -> LinearModel:
-    """The best law of commands so late and an effort that so lags, beside what changes slowly."""
-    pairs = [strip.beside_slow(delay, lag) for strip in strips]
+    """The best law of commands so late and an effort that so lags, with what changes slowly."""
+    pairs = [strip.less_slow(delay, lag) for strip in strips]
     return LinearModel(
         target=np.concatenate([effort for _, effort in pairs]),
         parameters=(Parameter(name="law", columns=_with_own_rates([c for c, _ in pairs])),),
@@ -150,7 +150,7 @@ def blocks_of(strips: Sequence[Strip]) -> NDArray[np.intp]:
 
 
 def gained(strips: Sequence[Strip], before: FloatArray, after: FloatArray) -> Gained:
-    """By what is left of the picked rows, (N,) each."""
+    """The gain, by what is left of the picked rows before and after, (N,) each."""
     block = blocks_of(strips)
     return Gained(
         by=np.bincount(block, before**2 - after**2).astype(np.float64),
@@ -191,7 +191,7 @@ def _missed(
     beta = law_of(strips, delay, lag).of("law")
     law = np.append(beta[:_COMMON], beta[_COMMON:].mean())
     left = whole = 0.0
-    for columns, effort in (strip.beside_slow(delay, lag) for strip in judges):
+    for columns, effort in (strip.less_slow(delay, lag) for strip in judges):
         left += float(np.sum((effort - columns @ law) ** 2))
         whole += float(np.sum(effort**2))
     return left, whole

@@ -97,15 +97,15 @@ class LinearModel:
         return np.asarray(self.kernel.beta[self._span(name)])
 
     def value(self, name: str) -> float:
-        """The first of them."""
+        """The first coefficient of a parameter."""
         return float(self.of(name)[0])
 
     def std(self, name: str) -> float:
-        """Its standard error."""
+        """Standard error of the first coefficient of a parameter."""
         return float(np.sqrt(self.kernel.variances[self._span(name)][0]))
 
     def with_prior(self, name: str, mean: float, std: float) -> LinearModel:
-        """With another prior of one name, if it is there."""
+        """The model with another prior of one name, if it is there."""
         parameters = tuple(
             replace(each, mean=mean, std=std) if each.name == name else each
             for each in self.parameters

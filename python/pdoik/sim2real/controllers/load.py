@@ -1,7 +1,7 @@
-"""What a voltage-driven joint tells of its load: how heavy, how long, or only a ratio of both.
+"""What a voltage-driven joint shows of its load: how heavy, how long, or only a ratio of both.
 
 Of a load m at the distance l with a rotor J only (m l^2 + J) / (m l) is seen, the reduced length,
-where nothing tells the torque's scale. With the torque per volt and J it is m and l.
+where nothing gives the torque's scale. With the torque per volt and J it is m and l.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _GRID = 24  # positions at which the load's moment is looked for
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Load:
-    """Of one joint; factors are of the model's."""
+    """The load of one joint; factors are of the model's."""
 
     reduced_length: Figure  # of load and rotor together [m]
     own_length: float  # of the model's load without a rotor [m]
@@ -43,7 +43,7 @@ def load_of(body: RigidBody, j: int, motor: Motor, drive_error: float) -> Load |
         body: of the model.
         j: the joint.
         motor: its drive.
-        drive_error: share by which a torque per volt may differ from what was told.
+        drive_error: share by which a torque per volt may differ from what was given.
     """
     if body.axis(j) is None or body.depth[j] != body.depth.max():
         return None

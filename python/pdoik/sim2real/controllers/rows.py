@@ -39,12 +39,12 @@ class Piece:
 
     @property
     def error(self) -> FloatArray:
-        """Of position, (T,)."""
+        """Error of position, (T,)."""
         return self.q_des - self.q
 
     @property
     def speed_error(self) -> FloatArray:
-        """Minus the speed where no desired one was logged, (T,)."""
+        """Error of speed: minus the speed where no desired one was logged, (T,)."""
         return self.dq_des - self.dq
 
     def column(self, name: str) -> FloatArray:
@@ -60,7 +60,7 @@ class Piece:
         return values
 
     def commanded_late(self, delay: float) -> Self:
-        """With commands, and the torque for them, so much later [s]."""
+        """The piece with commands, and the torque for them, so much later [s]."""
         if delay <= 0.0:
             return self
         late = np.stack([self.q_des, self.dq_des, self.rate, self.inertia], axis=1)

@@ -2,13 +2,13 @@
 
     tau = k V u (1 - s |u|) - b dq,    0 where the drive has let go
 
-with the supply V, of which full duty loses the share s, and the back-EMF's torque b dq. All beside
+with the supply V, of which full duty loses the share s, and the back-EMF's torque b dq. All with
 the model's torque, friction, a rotor and a zero that is off, linear in what is sought:
 
     V u = (tau_model + J ddq + friction) / k + (b / k) dq + s V u |u|
 
 Only ratios to the model's own torque are seen so: of a model twice as heavy k, b, J and friction
-are twice as large. A `torque_per_volt` that the study tells settles it; then the model's gravity
+are twice as large. A `torque_per_volt` that the study gives settles it; then the model's gravity
 and inertia each have a factor of their own.
 """
 
@@ -30,7 +30,7 @@ from ..thresholds import ControllerThresholds
 from .linear_model import LinearModel, Parameter, parts_of
 
 _SUPPLY = 1.0  # a supply's slower changes are its own, quicker ones are the bridge's switching [Hz]
-_LOW, _PARTS = 0.1, 8  # quantile of readings that are of pulses; parts by which its error is told
+_LOW, _PARTS = 0.1, 8  # quantile of readings that are of pulses; parts by which its error is found
 _MOST_LOSS, _USUAL_LOSS = 0.6, 0.3  # share of the supply lost at full duty; where none is read
 _LEAST_LOSS_ERROR = 0.1  # of that share: a reading is of one instant, and a cable rings
 _NOMINAL = 1.0  # supply where none is known: torques are per full duty then [V]
@@ -44,7 +44,7 @@ class Figure:
     std: float
 
     def estimate(self, unit: str) -> Estimate:
-        """With its interval."""
+        """The figure with its interval."""
         return Estimate.normal(self.value, self.std, unit)
 
 
@@ -55,8 +55,8 @@ class Motor:
     torque_per_volt: Figure  # [N m/V]
     back_emf: Figure  # torque lost per speed [N m s/rad]
     supply_loss: Figure  # share of the supply lost at full duty
-    rotor_inertia: Figure  # at the joint [kg m^2]; negative where the load is told too long
-    gravity: Figure  # factor of the model's; 1 where nothing tells the torque's scale
+    rotor_inertia: Figure  # at the joint [kg m^2]; negative where the load is given too long
+    gravity: Figure  # factor of the model's; 1 where nothing gives the torque's scale
     inertia: Figure  # the same of the inertia
     given: bool  # whether torque_per_volt is the study's
     given_rotor: bool  # whether the rotor's inertia is
@@ -69,7 +69,7 @@ class Motor:
     def torque(
         self, duty: FloatArray, volts: FloatArray, dq: FloatArray, released: NDArray[np.bool_]
     ) -> FloatArray:
-        """Of duties (T,) [N m]."""
+        """Torque of duties (T,), (T,) [N m]."""
         kept = 1.0 - self.supply_loss.value * np.abs(duty)
         given = self.torque_per_volt.value * volts * duty * kept
         return np.where(released, 0.0, given - self.back_emf.value * dq)
@@ -84,11 +84,11 @@ class Motor:
         }
 
 
-def supply(recording: Recording, j: int, told: GivenController | None) -> FloatArray:
+def supply(recording: Recording, j: int, controller: GivenController | None) -> FloatArray:
     """Volts of joint j's supply without the bridge's switching, (T,)."""
     if recording.voltage is not None and np.isfinite(recording.voltage[:, j]).all():
         return zero_phase(recording.voltage[:, j], _SUPPLY, recording.period)
-    volts = told.volts if told is not None and told.volts else _NOMINAL
+    volts = controller.volts if controller is not None and controller.volts else _NOMINAL
     return np.full(len(recording.time), volts)
 
 
@@ -129,22 +129,22 @@ def let_go(recording: Recording, j: int) -> NDArray[np.bool_]:
 
 
 def motor_of(
-    b: Balances, j: int, told: GivenController | None, limits: ControllerThresholds
+    b: Balances, j: int, controller: GivenController | None, limits: ControllerThresholds
 ) -> Motor | None:
-    """The motor that fits the model best, beside friction; None where nothing moves.
+    """The motor that fits the model best, with friction; None where nothing moves.
 
     Where the study gives the torque per volt, the model's gravity and inertia have factors instead.
     """
     key = ("torque", j)
     if key not in b.residual or not b.excited[j]:
         return None
-    keep, parts = b.mask[key], [_columns(m, j, told) for m in b.motions]
+    keep, parts = b.mask[key], [_columns(m, j, controller) for m in b.motions]
     thin = [b.thin(i, part) for i, part in enumerate(parts)]
     rows = dict(zip(_NAMES, np.concatenate(thin)[keep].T, strict=True))
     volts = rows.pop("volts")
     if len(volts) < limits.least_rows // 10 or not np.any(rows["gravity"]):
         return None
-    given, body = _given(told, j), b.motions[0].body
+    given, body = _given(controller, j), b.motions[0].body
     k = given.pop("torque_per_volt", None)
     rotor = 0.0 if body is None else float(body.rotor[j])
     if k is None:  # only the whole of the load is seen, a rotor that is known with it
@@ -165,7 +165,7 @@ def motor_of(
         ),
         parts=parts_of(counts),
     )
-    # What friction's law misses is as slow as a block: what is read weighs more beside such rows.
+    # What friction's law misses is as slow as a block: what is read counts more against such rows.
     weight = min(float(np.sqrt(len(np.unique(b.block[keep])) / plain.rows)), 1.0)
     mean, std = sag([m.recording for m in b.motions], j) or (0.0, _USUAL_LOSS)
     model = plain.with_prior("supply_loss", mean, weight * std)
@@ -195,7 +195,7 @@ def motor_of(
 def with_torque(
     recordings: Sequence[Recording],
     motors: Sequence[Motor | None],
-    told: GivenController | None,
+    controller: GivenController | None,
     cutoff: float,
 ) -> tuple[Recording, ...]:
     """Recordings with torques in place of duties, where a joint's motor is known."""
@@ -206,7 +206,9 @@ def with_torque(
         tau = np.full_like(r.q, np.nan)
         for j, motor in enumerate(motors):
             if motor is not None:
-                tau[:, j] = motor.torque(r.duty[:, j], supply(r, j, told), dq[:, j], let_go(r, j))
+                tau[:, j] = motor.torque(
+                    r.duty[:, j], supply(r, j, controller), dq[:, j], let_go(r, j)
+                )
         result.append(replace(r, tau=tau))
     return tuple(result)
 
@@ -218,13 +220,13 @@ _NAMES = (
 _POSITIVE = ("gravity", "inertia", "sign", "through", "back_emf", "supply_loss", "viscous")
 
 
-def _columns(m: Motion, j: int, told: GivenController | None) -> FloatArray:
+def _columns(m: Motion, j: int, controller: GivenController | None) -> FloatArray:
     """Volts given, then what they are made of (see the module), (T, 10)."""
     r = m.recording
     assert r.duty is not None
     assert m.body is not None
     on = ~let_go(r, j)
-    given = r.duty[:, j] * supply(r, j, told) * on
+    given = r.duty[:, j] * supply(r, j, controller) * on
     gravity = m.body.gravity(m.q)[:, j]
     rigid = m.load(j)
     lost = given * np.abs(r.duty[:, j])
@@ -234,13 +236,13 @@ def _columns(m: Motion, j: int, told: GivenController | None) -> FloatArray:
     return np.stack([given, *made_of], axis=1)
 
 
-def _given(told: GivenController | None, j: int) -> dict[str, float]:
+def _given(controller: GivenController | None, j: int) -> dict[str, float]:
     """Figures of the drive that the study gives."""
-    if told is None:
+    if controller is None:
         return {}
     each = {
-        "torque_per_volt": told.torque_per_volt,
-        "back_emf": told.back_emf,
-        "supply_loss": told.supply_loss,
+        "torque_per_volt": controller.torque_per_volt,
+        "back_emf": controller.back_emf,
+        "supply_loss": controller.supply_loss,
     }
     return {name: float(values[j]) for name, values in each.items() if values is not None}

@@ -48,13 +48,13 @@ def law_in_words(estimate: ControllerEstimate) -> str:
 
 
 def contradictions(estimate: ControllerEstimate) -> list[str]:
-    """Gains told that the effort contradicts."""
+    """Given gains that the effort contradicts."""
     said = []
-    for name, told in estimate.given_wrong.items():
+    for name, given in estimate.given_wrong.items():
         found = estimate.gains[name]
-        by = f" ({100 * (told / found.value - 1.0):+.0f} %)" if found.value > 0.0 else ""
+        by = f" ({100 * (given / found.value - 1.0):+.0f} %)" if found.value > 0.0 else ""
         said.append(
-            f"{estimate.joint}: the study says {name} = {told:.4g}, its"
+            f"{estimate.joint}: the study says {name} = {given:.4g}, its"
             f" {_EFFORTS[estimate.effort].removeprefix('the ')} shows {_figure(found)}: the study's"
             f" value is wrong{by}, and the estimate was used."
         )
@@ -62,7 +62,7 @@ def contradictions(estimate: ControllerEstimate) -> list[str]:
 
 
 def of_load(estimate: ControllerEstimate) -> list[str]:
-    """What a drive whose figures are told says of the model's load; nothing where it agrees."""
+    """What a drive whose figures are given says of the model's load; nothing where it agrees."""
     said = []
     for name in ("mass", "length"):
         factor = estimate.load.get(f"{name}_factor")
@@ -74,7 +74,7 @@ def of_load(estimate: ControllerEstimate) -> list[str]:
     return said
 
 
-def drive_in_words(estimate: ControllerEstimate, told: bool) -> str:
+def drive_in_words(estimate: ControllerEstimate, given: bool) -> str:
     """A motor that is driven by a voltage; "" where none was estimated."""
     if not estimate.drive:
         return ""
@@ -83,7 +83,7 @@ def drive_in_words(estimate: ControllerEstimate, told: bool) -> str:
     )
     scale = (
         "the torque per volt is the study's, so masses can be estimated"
-        if told
+        if given
         else "they were fitted to the model's own masses: of a model twice as heavy all torques"
         " would be twice as large, so a wrong mass looks like another torque per volt"
     )
@@ -93,7 +93,7 @@ def drive_in_words(estimate: ControllerEstimate, told: bool) -> str:
 def with_untellable(
     estimate: ControllerEstimate, study: Study, released: bool
 ) -> ControllerEstimate:
-    """With what the law and the channels hide, in words."""
+    """The estimate with what the law and the channels hide, in words."""
     said: list[str] = []
     gains = estimate.gains
     if not estimate.law:
@@ -138,7 +138,7 @@ def _given_scale(study: Study) -> bool:
 
 
 def nothing_known(study: Study, joints: list[str]) -> str:
-    """What can be told where neither gains nor effort are known; said before all else."""
+    """What can be found where neither gains nor effort are known; said before all else."""
     commanded = all(r.q_des is not None for r in study.recordings)
     where = ", ".join(joints)
     if not commanded:

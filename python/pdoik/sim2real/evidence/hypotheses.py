@@ -14,13 +14,13 @@ from ..report import Hypothesis, effect_name
 if TYPE_CHECKING:
     from ..infer import Examination
 
-_SHOWN = 60  # of the causes that were weighed and not taken, the likeliest
+_SHOWN = 60  # of the causes that were compared and not taken, the likeliest
 
 
 def hypotheses_of(examination: Examination) -> tuple[Hypothesis, ...]:
-    """What is claimed, then what was weighed and is not, the likeliest first.
+    """What is claimed, then what was compared and is not, the likeliest first.
 
-    The score is what a hypothesis gains beside everything that is in the model, on rows that its
+    The score is what a hypothesis gains given everything that is in the model, on rows that its
     coefficients were not learnt from: of one in the model what would be lost without it, of another
     what it would add.
     """
@@ -97,13 +97,13 @@ def place_words(examination: Examination, place: Place) -> str:
 def _reason(each: Weighed, score: float, tiny: bool, rival: str | None) -> str:
     """Why it is not claimed."""
     if tiny:
-        return "less than the recordings' sampling and the controller's ticks can tell"
+        return "less than the recordings' sampling and the controller's ticks can show"
     if rival is not None:
         return f"nearly as likely as {rival}; listed as its equivalent"
     if each.log_odds == -np.inf:
         return "the data want figures of it that cannot be: it is something else"
     if score <= 0.0:
-        return "beside what is in the model it gains nothing on rows it was not fitted to"
+        return "given what is in the model it gains nothing on rows it was not fitted to"
     if each.log_odds < 0.0:
         return "less likely than nothing: its evidence does not pay its price"
-    return "likely when it was tried; beside what was taken it is too little to be claimed"
+    return "likely when it was tried; given what was taken it is too little to be claimed"

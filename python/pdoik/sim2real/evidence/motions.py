@@ -1,6 +1,6 @@
 """motions.npz: how the machine moved, how it was simulated, and what the model left of it.
 
-What `pdoik view REPORT` shows beside the diagnosis (schema pdoik.motions/1).
+What `pdoik view REPORT` shows together with the diagnosis (schema pdoik.motions/1).
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ LONGEST = 60.0  # of a recording [s]
 def replays_of(
     examination: Examination, model: Model
 ) -> tuple[tuple[Replay, ...], tuple[str, ...]]:
-    """At most three, and notes on what was assumed or could not be simulated."""
+    """Replays, at most three, and notes on what was assumed or could not be simulated."""
     study = examination.prepared.study
     if model.robot is None:
         return (), ("Nothing was replayed: the study has no robot.",)

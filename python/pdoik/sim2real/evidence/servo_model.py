@@ -53,10 +53,10 @@ class _Figure:
     start: float
     scale: float
     signed: bool = False
-    std: float = np.inf  # of the start, where something else than positions tells it
+    std: float = np.inf  # of the start, where something else than positions gives it
 
     def value(self, x: float) -> float:
-        """Of the coordinate that is moved: positive figures stay so."""
+        """The figure at a coordinate that is moved: positive figures stay so."""
         return x * self.scale if self.signed else abs(x) * self.scale
 
     @property
@@ -73,7 +73,7 @@ def servo_model(examination: Examination, recordings: Sequence[Recording] | None
         recordings: to learn from; the study's own that are to be fitted, if none are given.
 
     Raises:
-        ValueError: the study has no robot, or no voltage drive was told or estimated.
+        ValueError: the study has no robot, or no voltage drive was given or estimated.
     """
     model, study = model_of(examination), examination.prepared.study
     controller = study.controller
@@ -183,12 +183,12 @@ def _figures(
         (joint, f.effect): f.values for f in model.findings for joint in f.joints
     }
     result = []
-    told = examination.prepared.study.told
+    given = examination.prepared.study.told
     motions = examination.prepared.fit.motions
     for j, joint in enumerate(model.joints):
         load = max(float(np.max(np.abs(m.tau[:, j]))) for m in motions)
         inertia = max(float(np.max(m.mass_matrix[:, j, j])) for m in motions)
-        if told is None or told.torque_per_volt is None:
+        if given is None or given.torque_per_volt is None:
             k = float(drive.torque_per_volt[j])
             result.append(_Figure(joint=j, effect="", name="torque_per_volt", start=k, scale=k))
         b = float(max(drive.back_emf[j], 1e-6))

@@ -43,7 +43,7 @@ def shown_key(balances: Balances, j: int) -> Key | None:
 
 
 def units_of(examination: Examination) -> tuple[str, ...]:
-    """Of each joint's residual."""
+    """Units of each joint's residual, (n,)."""
     prepared = examination.prepared
     return tuple(
         _sliding(fit.unit) if slides(prepared, j) else fit.unit

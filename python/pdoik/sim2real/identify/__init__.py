@@ -3,7 +3,7 @@
 Read in this order: `hypothesis` (what is believed beforehand), `linearisation` (rows and sums),
 `model` (a set of hypotheses, its noise and evidence), `ordinary` (what every machine has), `pool`
 and `proposals` (candidates), `posterior` (the moves), `identify` (what is claimed), `figures`.
-What was identified is confirmed by simulation in `confirm` and told by `infer`.
+What was identified is confirmed by simulation in `confirm` and reported by `infer`.
 """
 
 from .candidates import candidates

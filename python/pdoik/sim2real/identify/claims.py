@@ -1,4 +1,4 @@
-"""Which parts of a model are claimed: surely there, and large beside what nothing explains.
+"""Which parts of a model are claimed: surely there, and large compared with what nothing explains.
 
 An ordinary part is named where it is some errors from nothing and not negligible; a body where it
 is not within its trust. An anomalous cause is claimed where its odds are worth it, it is as
@@ -42,7 +42,7 @@ def identified(posterior: Posterior, state: State) -> Identified:
 
 @dataclass(kw_only=True, eq=False)
 class _Claims:
-    """Filled by two passes over the model: what is anomalous, then what is ordinary."""
+    """Claims, filled by two passes over the model: what is anomalous, then what is ordinary."""
 
     posterior: Posterior
     state: State
@@ -57,7 +57,7 @@ class _Claims:
 
     @classmethod
     def of(cls, posterior: Posterior, state: State) -> _Claims:
-        """Of a state, before anything is judged."""
+        """The claims of a state, before anything is judged."""
         model = state.model
         noisy = posterior.noisy(model)
         active = [h.term for h, span in model.placed if model.active[span].any()]
@@ -71,10 +71,10 @@ class _Claims:
 
     def judge_anomalous(self) -> None:
         """Causes that were chosen."""
-        weighed = judged(self.posterior, self.state)
-        everything = [own.hypothesis.term for own, _ in weighed]
+        scored = judged(self.posterior, self.state)
+        everything = [own.hypothesis.term for own, _ in scored]
         believed, fit = self.noisy.thresholds.diagnosis, as_trusted(self.fit, everything)
-        for own, others in weighed:
+        for own, others in scored:
             hypothesis, odds = own.hypothesis, own.log_odds
             term = hypothesis.term
             had_by = machines_with(term, believed)
@@ -144,7 +144,7 @@ class _Claims:
     def _as_body(self, term: Term) -> Term:
         """A body that is not within trust, as the finding that it is; in the fit too.
 
-        There, what its rows say is held back no more by a trust that it is beyond.
+        There, what its rows say is no longer limited by a trust that it is beyond.
         """
         own = term_of(self.posterior.balances, CATALOGUE[LinkInertials.id], term.place, ())
         prior = term.prior if own is None else own.prior

@@ -1,4 +1,4 @@
-"""What may stand beside what: finer laws take the place of ordinary ones; one law of a kind."""
+"""Which hypotheses may be in one model: a finer law replaces an ordinary one; one law of a kind."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _takes_place(law: Hypothesis, part: Hypothesis) -> bool:
     )
 
 
-def beside(ordinary: Ordinary, chosen: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+def with_ordinary(ordinary: Ordinary, chosen: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     """Ordinary physics and what is chosen, but for parts whose place a finer law takes."""
     parts = [
         part for part in ordinary.hypotheses() if not any(_takes_place(law, part) for law in chosen)
@@ -54,7 +54,7 @@ def is_ordinary(term: Term) -> bool:
 
 
 def fits_with(hypothesis: Hypothesis, chosen: Iterable[Hypothesis]) -> bool:
-    """Whether a cause may stand beside others: one law of a kind at a joint, one body at a link."""
+    """Whether a cause may join others: one law of a kind at a joint, one body at a link."""
     effect, place = CATALOGUE[hypothesis.term.effect], hypothesis.term.place
     for other in chosen:
         same = other.term.effect == effect.id and other.term.place.joints == place.joints

@@ -1,8 +1,8 @@
 """The probability that a finding is there: what speaks for it, calibrated once on worlds.
 
 Posterior log odds suppose that all laws are right. They are not, and a wrong law's misfit is as
-certain as a cause's part. How much is to be made of the odds, of the gain, and of how many machines
-have the effect tells a logistic regression on worlds whose truth is known.
+certain as a cause's part. How much the odds, the gain and the number of machines with the
+effect count is given by a logistic regression on worlds whose truth is known.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def features(support: Support) -> dict[str, float]:
 
 
 def confidence_of(thresholds: Thresholds, support: Support | None) -> float:
-    """By a logistic model of its support; one figure for channels, which have none."""
+    """Probability by a logistic model of the support; one figure for channels, which have none."""
     weights = thresholds.confidence
     if support is None:
         return weights.unsupported
@@ -39,7 +39,7 @@ def confidence_of(thresholds: Thresholds, support: Support | None) -> float:
 
 
 def _by_gain(support: Support) -> dict[str, float]:
-    """Of laws and events, which were never weighed beside all else."""
+    """Features of laws and events, which were never compared with all else in the model."""
     return {
         "base": 1.0,
         "size": float(np.log(max(support.size, _LEAST_SIZE))),
@@ -49,6 +49,6 @@ def _by_gain(support: Support) -> dict[str, float]:
 
 
 def _log_odds(share: float) -> float:
-    """Of a share, kept within what can be told from none and all."""
+    """Log odds of a share, kept within what can be distinguished from none and all."""
     kept = float(np.clip(share, _LEAST_SHARE, 1.0 - _LEAST_SHARE))
     return float(np.log(kept / (1.0 - kept)))

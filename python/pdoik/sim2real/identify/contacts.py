@@ -65,7 +65,7 @@ def clearest(windows: Sequence[Window]) -> Window | None:
 
 
 def stands(fit: Fit, term: Term) -> bool:
-    """Whether a contact, the fit's last term, is clear beside all the others."""
+    """Whether a contact, the fit's last term, is clear with all the others in the fit."""
     least = fit.balances.thresholds.diagnosis
     gain, rows, elsewhere, harm = 0.0, 0, 0.0, 0.0
     beta = fit.beta[-term.width :]
@@ -92,7 +92,7 @@ def stands(fit: Fit, term: Term) -> bool:
 def pauses(fit: Fit, term: Term) -> bool:
     """Whether it is clear that a contact, the fit's last term, does not last all recording long.
 
-    Carried on before and after its window, it must explain less by as much as a contact must gain.
+    Extended before and after its window, it must explain less by as much as a contact must gain.
     """
     b, place = fit.balances, replace(term.place, window=(-np.inf, np.inf))
     least = b.thresholds.diagnosis

@@ -101,7 +101,7 @@ def _estimate(fit: Fit, value: float, samples: FloatArray, unit: str) -> Estimat
 def _with_spread(
     fit: Fit, root: FloatArray, term: Term, at: int, figures: dict[str, Estimate]
 ) -> dict[str, Estimate]:
-    """How much a joint's friction differs between sessions, where the study tells of some."""
+    """How much a joint's friction differs between sessions, where the study gives sessions."""
     if fit.balances.told is None:
         return figures
     own = days_of(fit.terms, term)
@@ -137,9 +137,9 @@ def _of_sessions(
     sums = np.concatenate([np.ones((len(beta) - 1, 1)), np.eye(len(beta) - 1)], axis=1)
     before = linalg.inv((sums / believed) @ sums.T)
     after = linalg.inv(sums @ (root.T @ root) @ sums.T)
-    told = after - (1.0 - _NOTHING) * before
-    variances = np.diag(linalg.inv(told)).copy()
-    values = linalg.solve(told, after @ (sums @ beta))
+    precision = after - (1.0 - _NOTHING) * before
+    variances = np.diag(linalg.inv(precision)).copy()
+    values = linalg.solve(precision, after @ (sums @ beta))
     silent = variances > most * np.diag(linalg.inv(before))
     variances[silent] = np.inf
     return values, variances

@@ -28,7 +28,7 @@ _SOFT = (0.02, 0.2)  # speeds over which friction turns [rad/s]
 
 
 class Smooth:
-    """Of one joint's variables, in all balances of the joint."""
+    """Smooth functions of one joint's variables, in all balances of the joint."""
 
     id = "smooth"
 
@@ -40,7 +40,7 @@ class Smooth:
                 self._ends[name, j] = np.quantile(x, (0.005, 0.995))
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """Hat functions, steps of direction, acceleration, in the balance that the shape tells."""
+        """Hat functions, steps of direction, acceleration, in the balance that the shape names."""
         (j,) = place.joints
         parts = [motion.sign(j, s)[:, None] for s in _SOFT] + [motion.ddq[:, j, None]]
         for name in ("q", "dq", "borne", "time"):

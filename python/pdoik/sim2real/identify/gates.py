@@ -101,15 +101,15 @@ def sharpened(base: Fit, term: Term) -> Term:
     gate = term.place.gate
     assert gate is not None
     reach = float(np.ptp(_axis(base, gate.of, term.place.joints[0])))
-    beside = OneMore(base)
-    best, gain = term, beside.gain(term)
+    one_more = OneMore(base)
+    best, gain = term, one_more.gain(term)
     for step in (reach / _GRID * 0.5**halving for halving in range(6)):
         improved = True
         while improved:
             improved = False
             for moved in _moved(best, step):
                 tried = with_gate(base, best, moved)
-                there = beside.gain(tried) if tried.columns else -np.inf
+                there = one_more.gain(tried) if tried.columns else -np.inf
                 if there > gain + 1e-6:
                     best, gain, improved = tried, there, True
     return refined(base, best)

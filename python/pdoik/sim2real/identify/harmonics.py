@@ -15,7 +15,7 @@ from ..regression import Fit, Term, term_of
 _LOWEST, _HIGHEST = 3, 300  # cycles per turn; gravity has one, inertia two
 _TRIED = 2  # harmonics per joint that are worked out
 _BINS = 4096  # of a turn
-_REACHES = np.geomspace(_LOWEST, _HIGHEST, 32)  # harmonics to which rows are told apart by speed
+_REACHES = np.geomspace(_LOWEST, _HIGHEST, 32)  # harmonics by which rows are distinguished by speed
 
 
 def harmonic_terms(fit: Fit, joints: Sequence[int] | None = None) -> list[Term]:

@@ -12,7 +12,7 @@ from ..regression import Fit, Term, TermKey
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Weighed:
-    """A cause that was weighed, by itself or in the place of another."""
+    """A cause that was compared, by itself or in the place of another."""
 
     term: Term
     log_odds: float  # over nothing there, at its best
@@ -30,7 +30,7 @@ class Part:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Identified:
-    """Causes that are claimed, beside all else that is in the model."""
+    """Causes that are claimed, with all else that is in the model as nuisance terms."""
 
     balances: Balances  # with the noise that the model leaves
     nuisance: tuple[Term, ...]  # what is in the model and not claimed
@@ -58,13 +58,13 @@ class Identified:
 
     @property
     def contacts(self) -> tuple[Term, ...]:
-        """Those of them that are events."""
+        """The claimed terms that are events."""
         return tuple(t for t in self.accepted if t.place.window is not None)
 
     def fitted(self, terms: Sequence[Term]) -> Identified:
-        """With these terms, the nuisance's among them, and no others."""
+        """The same with these terms, the nuisance's among them, and no others."""
         return replace(self, fit=Fit(self.balances, terms))
 
     def without(self, *terms: Term) -> Identified:
-        """Without some of the claimed terms."""
+        """The same without some of the claimed terms."""
         return replace(self, fit=self.fit.without(*terms))

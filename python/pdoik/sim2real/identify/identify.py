@@ -1,4 +1,4 @@
-"""From a study's balances to causes: one posterior, linearised again where a cause asks for it."""
+"""Causes of a study's mismatch by one posterior, linearised again where a cause asks for it."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .relinearised import relinearised
 from .weighing import State
 
 _ROUNDS = 4  # of linearisation
-_BEGIN, _END, _STEP = 0.18, 0.76, 0.06  # of the work told as done
+_BEGIN, _END, _STEP = 0.18, 0.76, 0.06  # of the work reported as done
 _FEW = 6  # causes after which one beginning is left
 
 Tell = Callable[[str, str, float], None]
 
 
 @dataclass(slots=True)
-class _Told:
+class _Progress:
     """Says what is taken, with a share of the work that grows: the rest is never known."""
 
     say: Tell
@@ -35,31 +35,31 @@ class _Told:
 
 
 def identify(prepared: Prepared, say: Tell) -> tuple[Prepared, Identified]:
-    """Causes of a study's mismatch, and the study as it is linearised beside them."""
+    """The causes, and the study as it is linearised at them."""
     chosen: list[Hypothesis] = []
-    told, rounds = _Told(say), 0
+    progress, rounds = _Progress(say), 0
     while True:
-        posterior = Posterior.of(prepared.fit, told)
+        posterior = Posterior.of(prepared.fit, progress)
         state = _likeliest(posterior, prepared, chosen)
         rounds += 1
         fit = posterior.fit_of(state.model)
         other = relinearised(prepared, fit) if rounds < _ROUNDS else None
         if other is None:
             return prepared, identified(posterior, state)
-        told("once more, linearised beside what was found")
+        progress("once more, linearised at what was found")
         prepared = other
         chosen = _anew(prepared, state)
         del posterior, state, fit  # room for the next
 
 
 def _likeliest(posterior: Posterior, prepared: Prepared, chosen: list[Hypothesis]) -> State:
-    """From two beginnings: a model as wrong as drawings are, and one that is nearly right.
+    """The likeliest state from two starts: a model as wrong as drawings are, and one nearly right.
 
     The likelier after a few causes goes on; at its end the other share is asked again.
     """
     believed = prepared.study.thresholds.priors
-    told = prepared.study.trust.rigid_body
-    most = believed.bodies if told is None else told
+    given = prepared.study.trust.rigid_body
+    most = believed.bodies if given is None else given
     shares = [most]
     if prepared.body is not None and most > believed.good_bodies:
         shares.append(believed.good_bodies)

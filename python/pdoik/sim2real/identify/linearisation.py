@@ -85,7 +85,7 @@ class Linearisation:
 
     @classmethod
     def of_balances(cls, balances: Balances) -> Linearisation:
-        """Of all balances that have rows which count."""
+        """The linearisation of all balances that have rows which count."""
         series = {}
         for key in balances.keys:
             rows = np.flatnonzero(balances.mask[key])

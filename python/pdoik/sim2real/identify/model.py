@@ -33,7 +33,7 @@ LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
 
 
 def unexplained(left: float, noise: float) -> float:
-    """Of the mean square that is left, what is no noise of sensors."""
+    """The part of the mean square `left` that is no noise of sensors."""
     return max(left - noise, LEAST_OWN * max(left, noise), 1e-300)
 
 
@@ -128,7 +128,7 @@ class Model:
         self._solve()
 
     def weight(self, key: Key) -> float:
-        """Of a row of a balance: as many rows as are independent, by the variance."""
+        """Weight of a row of a balance: the share of independent rows over the variance."""
         series = self.data.series[key]
         return series.independent / len(series.rows) / self.noise[key]
 
@@ -184,22 +184,22 @@ class Model:
         return self._left[key]
 
     def _variance_of(self, key: Key) -> float:
-        """The likeliest, coefficients that the balance tells taken off the rows."""
+        """The likeliest variance, coefficients that the balance determines taken off the rows."""
         series, left = self.data.series[key], self.left(key)
         rows = series.independent
         free = max(rows - self._used(key), _LEAST_FREE * rows)
         return max(float(left @ left) / len(left) * rows / free, series.floor**2)
 
     def _used(self, key: Key) -> float:
-        """How many coefficients this balance tells, MacKay's gamma."""
+        """How many coefficients this balance determines, MacKay's gamma."""
         own, there = self.index[key]
         if not len(own):
             return 0.0
         mine = self.weight(key) * np.diag(self.data.series[key].gram)[there]
         by_data = np.diag(self.gram)[own] - self.precision[own]
-        told = np.clip(1.0 - self.precision[own] * self.variances[own], 0.0, 1.0)
-        told = np.where(self.active[own], told, 0.0)
-        return float(np.sum(told * mine / np.maximum(by_data, 1e-300)))
+        determined = np.clip(1.0 - self.precision[own] * self.variances[own], 0.0, 1.0)
+        determined = np.where(self.active[own], determined, 0.0)
+        return float(np.sum(determined * mine / np.maximum(by_data, 1e-300)))
 
     @property
     def inverse(self) -> FloatArray:
@@ -213,14 +213,14 @@ class Model:
 
     @property
     def variances(self) -> FloatArray:
-        """Of the coefficients, (size,)."""
+        """Variances of the coefficients, (size,)."""
         if self._variances is None:
             self._variances = np.diag(self.inverse).copy()
         return self._variances
 
     @property
     def log_evidence(self) -> float:
-        """Of the model's rows, all that no model changes left out."""
+        """Log evidence of the model's rows, all that no model changes left out."""
         total = 0.0
         for key, variance in self.noise.items():
             left, rows = self.left(key), self.data.series[key].independent
@@ -269,17 +269,17 @@ class Model:
         return bool(np.all(self.beta[span] <= share * whole))
 
     def with_(self, *more: Hypothesis) -> Model:
-        """With hypotheses more; noise is estimated again."""
+        """The model with more hypotheses; noise is estimated again."""
         return Model(self.data, (*self.hypotheses, *more), self)
 
     def without(self, *gone: Hypothesis) -> Model:
-        """Without some of its hypotheses; noise is estimated again."""
+        """The model without some of its hypotheses; noise is estimated again."""
         kept = [h for h in self.hypotheses if all(h is not each for each in gone)]
         return Model(self.data, kept, self)
 
     @property
     def log_posterior(self) -> float:
-        """Up to a constant of the study; -inf where it cannot be."""
+        """Log posterior up to a constant of the study; -inf where it cannot be."""
         return self.log_evidence + self.log_prior if self.admissible else -np.inf
 
     def size_of(self, hypothesis: Hypothesis) -> float:

@@ -79,11 +79,11 @@ class Ordinary:
 
     @property
     def _reported(self) -> list[int]:
-        """Joints whose torque is known beside their motion."""
+        """Joints whose torque is known as well as their motion."""
         return [j for j in range(self.balances.n) if ("torque", j) in self.balances.residual]
 
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """All of it."""
+        """All hypotheses of the ordinary part."""
         found = [h for j in self.joints for h in self._of_joint(j)]
         found += [h for j in self.joints for h in self._of_days(j)]
         found += [h for j in self._reported for h in self._of_calibration(j)]
@@ -142,7 +142,7 @@ class Ordinary:
                 yield ordinary(self._days[at], size)
 
     def _of_calibration(self, j: int) -> Iterator[Hypothesis]:
-        """Of joint j's drive and speed sensor, as exact as these are made."""
+        """Tolerances of joint j's drive and speed sensor, as exact as these are made."""
         b, believed = self.balances, self.balances.thresholds.priors
         sizes = {
             ZERO: believed.drive_zero * max(usual_torque(b, j), 1e-9),
@@ -156,7 +156,7 @@ class Ordinary:
 
     @property
     def sessions(self) -> NDArray[np.intp]:
-        """Session of every row, as the study tells, or the file that its recording is of."""
+        """Session of every row, as the study gives it, or the file that its recording is of."""
         b = self.balances
         if b.told is not None:
             return np.asarray(b.told[b.recording], dtype=np.intp)
@@ -164,7 +164,7 @@ class Ordinary:
         return np.array([files.index(each) for each in files], dtype=np.intp)[b.recording]
 
     def fitted_to(self, model: Model, joints: Collection[int]) -> Ordinary:
-        """With what days change, and some joints' Coulomb friction as wide, as is likeliest."""
+        """The likeliest: what days change, and the widths of some joints' Coulomb friction."""
         levels, widths = dict(self.levels), dict(self.widths)
         own = {(h.term.effect, h.term.place): s for h, s in model.placed if h.ordinary}
         for j in self.joints:
@@ -178,7 +178,7 @@ class Ordinary:
         return replace(self, widths=widths, levels=levels, days=days)
 
     def _share_of_days(self, model: Model) -> float:
-        """By which friction differs between sessions, the likeliest of three."""
+        """The share by which friction differs between sessions, the likeliest of three."""
         believed = self.balances.thresholds.priors
         now = self.days or believed.days
         if len(np.unique(self.sessions)) < 2 or not any(
@@ -200,7 +200,7 @@ class Ordinary:
         return best
 
     def _width(self, model: Model, j: int) -> Shape:
-        """Of a joint's Coulomb friction, the likeliest beside all else."""
+        """Width of a joint's Coulomb friction, the likeliest with all else."""
         place, now = Place(joints=(j,)), self.widths.get(j, (0.02,))
         here = [
             h
@@ -221,8 +221,8 @@ class Ordinary:
                 return now
             best, widths = max(odds, key=lambda width: odds[width]), sorted(odds)
             at = widths.index(best)
-            beside = (widths[max(at - 1, 0)], widths[min(at + 1, len(widths) - 1)])
-            tried = {0.5 * (best + other) for other in beside}
+            neighbours = (widths[max(at - 1, 0)], widths[min(at + 1, len(widths) - 1)])
+            tried = {0.5 * (best + other) for other in neighbours}
         return (best,)
 
 

@@ -1,7 +1,7 @@
-"""All candidates of a study, and what each would be worth beside a model: all at once.
+"""All candidates of a study, and what each would be worth added to a model: all at once.
 
 In closed form at the model's noise, everything else refitted (Schur's complement). What is worth
-most there is then weighed at the noise that it leaves itself.
+most there is then compared at the noise that it leaves itself.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _AT_ONCE = 64  # columns that are taken together
 
 @dataclass(frozen=True, slots=True)
 class Scored:
-    """A hypothesis and its log odds: beside a model, or in the place of a cause."""
+    """A hypothesis and its log odds: added to a model, or in the place of a cause."""
 
     hypothesis: Hypothesis
     log_odds: float
 
     @property
     def weighed(self) -> Weighed:
-        """For the next stages."""
+        """The same for the next stages."""
         return Weighed(term=self.hypothesis.term, log_odds=self.log_odds)
 
 
@@ -81,7 +81,7 @@ class Pool:
                 )
 
     def scored(self, model: Model) -> list[Scored]:
-        """Every candidate beside a model, the likeliest first; what cannot be is left out."""
+        """Every candidate added to a model, the likeliest first; what cannot be is left out."""
         if not self.candidates:
             return []
         moment, cross = np.zeros(self._size), np.zeros((model.size, self._size))
@@ -111,7 +111,7 @@ class Pool:
         return sorted(found, key=lambda scored: -scored.log_odds)
 
     def _cross(self, key: Key) -> FloatArray:
-        """Of the series' columns with the pool's; those that are new are added."""
+        """Products of the series' columns with the pool's; those that are new are added."""
         series, of = self.data.series[key], self._of[key]
         done = len(of.cross)
         if done < series.width:

@@ -26,7 +26,7 @@ class Posterior(Weighing):
     def grown(self, state: State, most: int | None = None) -> State:
         """The state with all that is worth it, or with so many causes.
 
-        What is likeliest is added and all that it bears upon weighed again; then parts and moments,
+        What is likeliest is added and all that it bears upon tested again; then parts and moments,
         then torques without a name; at last every cause once more. What came and went is not
         tried again before that last look: every step makes the set likelier, or it is not taken.
         """
@@ -88,7 +88,7 @@ class Posterior(Weighing):
         return simpler
 
     def _swept(self, state: State, added: Hypothesis | None, gone: set[TermKey]) -> State:
-        """Causes weighed again: out, or another in their place.
+        """Causes tested again: out, or another in their place.
 
         Of those that share a balance with a new one, or of all where there is none. What came and
         went is not tried, and noted.
@@ -139,7 +139,7 @@ class Posterior(Weighing):
         return state
 
     def _instead(self, state: State) -> State | None:
-        """With one cause in the place of all that was taken at a joint, where that is likelier."""
+        """The state with one cause for all that was taken at a joint, where that is likelier."""
         for j in range(self.balances.n):
             here = [h for h in state.chosen if h.term.place.joints[:1] == (j,) and of_torque(h)]
             if not here:
@@ -207,7 +207,7 @@ class Posterior(Weighing):
 
 
 def likeliest(states: Sequence[State]) -> State:
-    """Of states of the same study."""
+    """The likeliest of states of the same study."""
     return max(states, key=lambda state: state.log_posterior)
 
 

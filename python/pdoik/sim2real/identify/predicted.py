@@ -58,7 +58,7 @@ class Noise:
 
     @classmethod
     def of(cls, model: Model) -> Noise:
-        """As a model of recorded rows estimates it; of a balance without rows nothing is known."""
+        """The noise that a model of recorded rows estimates; none of a balance without rows."""
         series = model.data.series
         return cls(
             variance=dict(model.noise),
@@ -78,7 +78,7 @@ class Noise:
 
 
 def recorded(balances: Balances, bodies: float, causes: Sequence[Hypothesis] = ()) -> Model:
-    """Ordinary physics with causes, fitted to recordings; then held at the noise that it leaves.
+    """Ordinary physics with causes, fitted to recordings; then kept at the noise that it leaves.
 
     Args:
         balances: of the recordings.
@@ -105,7 +105,7 @@ class Remainder:
 
     @property
     def share(self) -> float:
-        """Of the contribution, that nothing else explains."""
+        """Share of the contribution that nothing else explains."""
         return self.information / self.whole if self.whole > 0.0 else 0.0
 
     @property
@@ -155,7 +155,7 @@ def remainder(model: Model, contribution: Contribution) -> Remainder:
 
 
 def _evidence(rows: float, square: float) -> float:
-    """Lost where a sum of squares, in the noise's variances, is left on independent rows more."""
+    """Evidence lost to a sum of squares more, in the noise's variances, on independent rows."""
     return 0.5 * rows * float(np.log1p(square / rows))
 
 
@@ -181,7 +181,7 @@ def _is_of(term: Term, effect: str, places: Sequence[Place]) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """Of one balance, per unit of the amount."""
+    """Figures of one balance, per unit of the amount."""
 
     rows: float  # that are independent
     information: float
@@ -231,7 +231,7 @@ class Expected:
         )
 
     def clarity(self, amount: float, limits: Thresholds) -> float:
-        """By how much more than a diagnosis asks an amount is found with SEEN: 1 for just so."""
+        """How many times what a diagnosis asks an amount is found with SEEN: 1 for just so."""
         asked, support = limits.diagnosis, self.support(amount, _Z)
         least = {"few": asked.matters_more, "many": asked.matters_common, "all": asked.matters}
         clear = support.t / asked.sure if self.ordinary else max(support.odds, 0.0) / asked.worth

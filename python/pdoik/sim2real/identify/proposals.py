@@ -1,7 +1,7 @@
 """Hypotheses that only what is left can suggest.
 
-Harmonics, parts of time or of the positions, pushes, and torques without a name. They are weighed
-like all others; how many of their kind were looked at is in their odds.
+Harmonics, parts of time or of the positions, pushes, and torques without a name. They are
+compared like all others; how many of their kind were looked at is in their odds.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _FREQUENCIES = 100.0
 
 
 def harmonics(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
-    """Of joints' angles, the strongest in what is left."""
+    """Harmonics of joints' angles, the strongest in what is left."""
     for term in harmonic_terms(fit):
         yield anomalous(balances, term, among=_HARMONICS)
 
@@ -65,7 +65,7 @@ def begun(
 def pushes(balances: Balances, fit: Fit) -> Iterator[Hypothesis]:
     """The clearest window in which something pushes.
 
-    Beside what is left at most times: a push that nobody has named is much of what is left in all.
+    Compared with what is left at most times: a push that nobody has named is much of what is left.
     """
     usual = {key: _usual(fit, key) for key in fit.design}
     term = contact_term(Fit(balances.with_noise(usual), fit.terms))

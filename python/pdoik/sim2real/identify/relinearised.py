@@ -1,7 +1,7 @@
 """A study's balances again where what was found changes what they are linear in.
 
-A base that is tilted lets unknown bodies weigh another way; what feet take follows from all
-torques.
+A base that is tilted changes the direction of unknown bodies' weight; what feet take follows from
+all torques.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _GRAVITY = "gravity"  # of a motion's cache, under which its bodies are
 
 
 def relinearised(prepared: Prepared, fit: Fit) -> Prepared | None:
-    """The study beside a fit's terms; None where it is linear enough as it is."""
+    """The study linearised at a fit's terms; None where it is linear enough as it is."""
     return _with_gravity(prepared, fit) or _with_feet(prepared, fit)
 
 
@@ -51,7 +51,7 @@ def _gravity_of(fit: Fit) -> FloatArray | None:
 
 
 def _with_feet(prepared: Prepared, fit: Fit) -> Prepared | None:
-    """With other forces on the feet; None where nothing says what these are, or none matters."""
+    """The study with refitted foot forces; None where nothing gives these, or none matters."""
     if not prepared.fit.loads_are_inferred:
         return None
     found = fit.weighted

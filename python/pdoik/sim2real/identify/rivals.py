@@ -1,4 +1,4 @@
-"""How likely each cause is beside all others, and which other names come near it."""
+"""How likely each cause is with all others, and which other names come near it."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .pool import Pool, Scored
 from .posterior import Posterior
 from .weighing import State, serious
 
-_WEIGHED = 4  # rivals of a cause
+_MOST_RIVALS = 4  # rivals of a cause
 
 
 def judged(posterior: Posterior, state: State) -> list[tuple[Scored, list[Scored]]]:
-    """Every cause with its log odds beside all others, and the names that come near it."""
+    """Every cause with its log odds given all others, and the names that come near it."""
     found = []
     for each in state.chosen:
         rest = [other for other in state.chosen if other is not each]
@@ -32,7 +32,7 @@ def judged(posterior: Posterior, state: State) -> list[tuple[Scored, list[Scored
 def in_place_of(posterior: Posterior, state: State, part: Hypothesis) -> list[Scored]:
     """Causes that would explain what an ordinary part does, nearly as well; prior odds apart.
 
-    What every machine has is the name; that rows do not tell it from another is said.
+    What every machine has is the name; that rows do not distinguish it from another is said.
     """
     without = state.model.without(part, *_days(state, part))
     own = Scored(part, state.model.log_evidence - without.log_evidence)
@@ -54,7 +54,7 @@ def _near(
     level, cause = posterior.balances.thresholds.diagnosis.level, own.hypothesis
     least = _at_noise_of(posterior, without, cause) - level
     found = []
-    for scored in serious(pool)[:_WEIGHED]:
+    for scored in serious(pool)[:_MOST_RIVALS]:
         hypothesis = scored.hypothesis
         apart = hypothesis.log_odds - cause.log_odds  # what was believed before
         if max(scored.log_odds, scored.log_odds - apart) < least:

@@ -33,7 +33,7 @@ def held_out_support(
     anomalous: Sequence[Term] = (),
     had_by: HadBy = "all",
 ) -> Support:
-    """Support of one of a fit's terms beside all others, recordings or parts of them left out.
+    """Support of one of a fit's terms given all others, recordings or parts of them left out.
 
     Args:
         fit: of all that is in the model.
@@ -109,7 +109,7 @@ def as_trusted(fit: Fit, anomalous: Sequence[Term]) -> Fit:
 
 
 def _folds_given(fit: Fit, term: Term) -> int:
-    """In how many folds a term acts."""
+    """The number of folds in which a term acts."""
     energy = np.zeros(fit.folds)
     for key, column in term.columns.items():
         if key in fit.design:

@@ -12,7 +12,7 @@ from ..effects import CATALOGUE
 from ..motion import Balances
 from ..regression import Fit, TermKey, refined
 from .candidates import candidates, is_restless
-from .company import beside, has_shape, is_ordinary, wider
+from .company import has_shape, is_ordinary, wider, with_ordinary
 from .flexible import count_independent
 from .gates import sharpened
 from .hypothesis import Hypothesis, anomalous
@@ -21,7 +21,7 @@ from .model import Model
 from .ordinary import Ordinary
 from .pool import Pool, Scored
 
-SERIOUS = 6  # hypotheses of a round that are weighed at their own noise
+SERIOUS = 6  # hypotheses of a round that are compared at their own noise
 _SHAPED = 3  # of these, whose nonlinear parameters are moved to their best
 _TUNED = 3  # rounds of the ordinary part's choices
 
@@ -38,13 +38,13 @@ class State:
 
     @property
     def log_posterior(self) -> float:
-        """Up to a constant."""
+        """Logarithm of the posterior, up to a constant."""
         return self.model.log_posterior
 
 
 @dataclass(kw_only=True, eq=False)
 class Weighing:
-    """A study's rows, candidates, and all that was weighed of them."""
+    """A study's rows, candidates, and all hypotheses that were compared on them."""
 
     balances: Balances
     data: Linearisation
@@ -54,7 +54,7 @@ class Weighing:
 
     @classmethod
     def of(cls, balances: Balances, tell: Tell = lambda text: None) -> Self:
-        """Of a study's balances."""
+        """The rows and candidates of a study's balances."""
         data = Linearisation.of_balances(balances)
         count_independent(balances, data)
         terms = [t for t in candidates(balances) if not is_ordinary(t)]
@@ -67,11 +67,11 @@ class Weighing:
     def begun(self, bodies: float, chosen: Sequence[Hypothesis] = ()) -> State:
         """Ordinary physics, with bodies right to a share, and what is given."""
         ordinary = Ordinary(balances=self.balances, bodies=bodies)
-        model = Model(self.data, beside(ordinary, chosen))
+        model = Model(self.data, with_ordinary(ordinary, chosen))
         return self.tuned(State(ordinary=ordinary, chosen=tuple(chosen), model=model))
 
     def tuned(self, state: State, added: Hypothesis | None = None) -> State:
-        """With the choices of the ordinary part as they are likeliest now.
+        """The state with the choices of the ordinary part as they are likeliest now.
 
         Args:
             state: as it is.
@@ -83,7 +83,7 @@ class Weighing:
         for turn in range(_TUNED):
             now = state.ordinary
             other = now.fitted_to(state.model, joints if turn == 0 or added is None else ())
-            model = Model(self.data, beside(other, state.chosen), state.model)
+            model = Model(self.data, with_ordinary(other, state.chosen), state.model)
             settled = other.widths == now.widths and all(
                 abs(other.levels[k] - now.levels.get(k, 0.0)) <= 0.1 * other.levels[k]
                 for k in other.levels
@@ -94,7 +94,7 @@ class Weighing:
         return state
 
     def possible(self, state: State) -> State:
-        """Without causes that cannot be beside the others."""
+        """The state without causes that cannot be in one model with the others."""
         while gone := state.model.impossible:
             state = self.with_causes(
                 state, [h for h in state.chosen if all(h is not g for g in gone)]
@@ -102,38 +102,38 @@ class Weighing:
         return state
 
     def with_causes(self, state: State, chosen: Sequence[Hypothesis]) -> State:
-        model = Model(self.data, beside(state.ordinary, chosen), state.model)
+        model = Model(self.data, with_ordinary(state.ordinary, chosen), state.model)
         return replace(state, chosen=tuple(chosen), model=model)
 
     def with_bodies(self, state: State, bodies: float) -> State:
-        """The same causes beside bodies that are right to another share."""
+        """The same causes with bodies that are right to another share."""
         ordinary = replace(state.ordinary, bodies=bodies)
-        model = Model(self.data, beside(ordinary, state.chosen), state.model)
+        model = Model(self.data, with_ordinary(ordinary, state.chosen), state.model)
         return self.tuned(replace(state, ordinary=ordinary, model=model))
 
-    def best(self, beside: Model, scored: Sequence[Scored]) -> Scored | None:
-        """The likeliest at the noise that it leaves."""
+    def best(self, base: Model, scored: Sequence[Scored]) -> Scored | None:
+        """The likeliest of the scored hypotheses, each at the noise that it leaves."""
         found: list[Scored] = []
         fit: Fit | None = None
         for number, each in enumerate(serious(scored)):
             hypothesis = each.hypothesis
-            if not self.may_be(hypothesis, beside):
+            if not self.may_be(hypothesis, base):
                 continue
             if number < _SHAPED and has_shape(hypothesis):
-                fit = fit or self.fit_of(beside)
+                fit = fit or self.fit_of(base)
                 hypothesis = self.reshaped(fit, hypothesis)
-            whole = wider(beside, hypothesis)
+            whole = wider(base, hypothesis)
             while (gone := whole.impossible) and all(each is not hypothesis for each in gone):
                 whole = whole.without(*gone)
             if whole.size_of(hypothesis) < self.balances.thresholds.diagnosis.matters:
                 continue
-            found.append(Scored(hypothesis, whole.log_posterior - beside.log_posterior))
+            found.append(Scored(hypothesis, whole.log_posterior - base.log_posterior))
             old = self.tried.get(hypothesis.key)
             if old is None or found[-1].log_odds > old.log_odds:
                 self.tried[hypothesis.key] = found[-1]
         return max(found, key=lambda each: each.log_odds, default=None)
 
-    def may_be(self, hypothesis: Hypothesis, beside: Model) -> bool:
+    def may_be(self, hypothesis: Hypothesis, base: Model) -> bool:
         """Whether nothing in the recordings contradicts it, and it acts where rows count.
 
         A link that swings by itself hardly follows its motor's noise, and so explains that: where
@@ -144,7 +144,7 @@ class Weighing:
         if not effect.plausible(b.motions, term.place, term.shape):
             return False
         if effect.shown_poorly:
-            left = {key: variance**0.5 for key, variance in beside.noise.items()}
+            left = {key: variance**0.5 for key, variance in base.noise.items()}
             least = b.thresholds.diagnosis.restless
             if not is_restless(left, b.floor, term.place, least):
                 return False
@@ -155,7 +155,7 @@ class Weighing:
         return inside > b.thresholds.diagnosis.nothing * whole
 
     def reshaped(self, fit: Fit, hypothesis: Hypothesis, *, again: bool = False) -> Hypothesis:
-        """With gate and nonlinear parameters where they are likeliest beside a fit.
+        """The hypothesis with gate and nonlinear parameters where they are likeliest given a fit.
 
         Args:
             fit: of all else.
@@ -174,7 +174,7 @@ class Weighing:
         return replace(hypothesis, term=moved, log_odds=hypothesis.log_odds - price)
 
     def fit_of(self, model: Model) -> Fit:
-        """The same by least squares over rows, for what looks at rows."""
+        """The model by least squares over rows, for what looks at rows."""
         return Fit(self.noisy(model), [each.term for each in model.hypotheses])
 
     def noisy(self, model: Model) -> Balances:

@@ -18,13 +18,14 @@ def why_unanswerable(prepared: Prepared, control: ControllerCheck, check: Channe
     balances = prepared.fit
     if control.findings or check.findings or any(each.effort for each in control.estimates):
         return ""
-    held = {} if prepared.validate is None else prepared.validate.mask  # events may be there only
-    if any(mask.any() for mask in (*balances.mask.values(), *held.values())):
+    # Events may be in held-out recordings only.
+    held_out = {} if prepared.validate is None else prepared.validate.mask
+    if any(mask.any() for mask in (*balances.mask.values(), *held_out.values())):
         return ""
     if balances.keys:
         return f"nothing can be found: {_motion(prepared)}"
     return (
-        "nothing can be found: of positions alone, with nothing beside them, a model cannot be"
+        "nothing can be found: of positions alone, with nothing else, a model cannot be"
         f" wrong; the recordings to fit have {_channels(prepared)}. Log the torque (tau, or current"
         " or duty), the commanded torque (tau_cmd) or the commanded positions (q_des)"
     )

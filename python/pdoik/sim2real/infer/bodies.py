@@ -1,4 +1,4 @@
-"""A load in the hand whose mass no motion shows is told by what motions do show of it."""
+"""A load in the hand whose mass no motion shows is given by what motions do show of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Friction that differs from recording to recording by more than the other joints' does.
+"""Friction that differs from recording to recording by more than that of the other joints.
 
 Every bearing is another one from day to day, by ten percent or so. One that differs by several
 times as much warms up or runs dry: its size is no constant, and what is said of it is a mean.
@@ -23,7 +23,7 @@ from ..thresholds import DiagnosisThresholds, Thresholds
 
 
 def spreads_of(fit: Fit) -> dict[int, float]:
-    """Of each joint, how much its friction differs between recordings, as a share of it.
+    """Each joint's change of friction between recordings, as a share of the friction.
 
     The standard deviation beyond what the errors of each recording's figure make; of joints whose
     friction two recordings or more show.
@@ -80,7 +80,7 @@ def with_changes(
 def _scale(
     left: FloatArray, friction: FloatArray, block: NDArray[np.intp], limits: DiagnosisThresholds
 ) -> tuple[float, float] | None:
-    """By which share friction is larger in one recording, and its error; None where unseen.
+    """The share by which friction is larger in one recording, its error; None where unseen.
 
     What is constant may as well be the torque's zero: a joint that moves one way shows nothing.
     """

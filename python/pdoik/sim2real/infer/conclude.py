@@ -1,4 +1,4 @@
-"""From what was identified to the diagnosis: findings with intervals, confidence and evidence.
+"""The diagnosis of what was identified: findings with intervals, confidence and evidence.
 
 Figures and confidence are of the recordings to learn from. Those held out come last, and judge:
 they say how much of what they show is explained, and change no finding.
@@ -97,7 +97,7 @@ def conclude(
             suspected += (_suspect(prepared, each),)
         else:
             found.append((each, (term,)))
-    # The rest was learnt beside them, and stays as it is; nothing is predicted with them.
+    # The rest was learnt with them, and stays as it is; nothing is predicted with them.
     prediction.apart |= {term.key for term in against}
     state = figures.state
     if prepared.validate is not None:
@@ -185,7 +185,7 @@ def _found(
 
 
 def _equivalents(state: Identified, term: Term, prepared: Prepared) -> tuple[Equivalent, ...]:
-    """At most three other names that are nearly as likely, the likeliest first."""
+    """The other names that are nearly as likely, at most three, the likeliest first."""
     found = [
         Equivalent(
             effect=rival.term.effect,
@@ -218,8 +218,8 @@ def _ordinary_part(prepared: Prepared, part: Part) -> OrdinaryPart:
 def _is_contradicted(prepared: Prepared, finding: Finding, *, ordinary: bool) -> bool:
     """Whether recordings that only judge are better with it by next to nothing.
 
-    Beside everything else that was found, as share of what they leave without it. What acts in a
-    part only, or is not told from the rest, is to be sure by itself as well, unless it is much: of
+    Given everything else that was found, as share of what they leave without it. What acts in a
+    part only, or is not separated from the rest, must be sure by itself too, unless it is much: of
     few stretches in which it acts there is none in some that are drawn.
     What every machine has is there in any case: it is only not to make them worse.
     """
@@ -301,7 +301,7 @@ def _as_judged(findings: Sequence[Finding]) -> list[str]:
 
 
 def _suspected(prepared: Prepared, state: Identified, seed: int) -> tuple[Finding, ...]:
-    """What is likely and not claimed, beside all that is."""
+    """Findings that are likely and not claimed, given all that is claimed."""
     found = []
     for term in state.doubtful:
         support = state.support[term.key]

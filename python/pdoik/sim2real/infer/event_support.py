@@ -1,7 +1,7 @@
 """What speaks for an event: a push, or a limit that one session alone reaches.
 
 It cannot repeat, so no session can be left out. It is learnt on one half of its rows, every other
-quarter, and scored on the other half, in turn; and it is held against what the same joints show at
+quarter, and scored on the other half, in turn; and it is compared with what the same joints show at
 other times, which nothing explains either: a misfit that is common is no event.
 """
 

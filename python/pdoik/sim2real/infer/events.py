@@ -16,7 +16,7 @@ _MOST = 3  # of held-out recordings
 
 
 def within(state: Identified, term: Term, channels: tuple[str, ...]) -> Evidence:
-    """Evidence of an event in recordings to fit, held against its own window."""
+    """Evidence of an event in recordings to fit, compared with its own window."""
     return Evidence.once(
         event_support(state.without(term).fit, term, state.start).weight, *channels
     )
@@ -27,9 +27,9 @@ def held_out_contacts(
 ) -> list[Found]:
     """Contacts in recordings that were held out; an event is found where it happened.
 
-    They are taken out of the residual of these recordings. None are looked for beside a torque
-    without a name: what its function misses where it was not learnt looks like events. So does
-    what is only suspected, and a model that fails from a recording's first row to its last.
+    They are taken out of the residual of these recordings. None are looked for where a torque
+    without a name was found: what its function misses where it was not learnt looks like events.
+    So does what is only suspected, and a model that fails from a recording's first row to its last.
 
     Args:
         prepared: the study.
@@ -42,13 +42,13 @@ def held_out_contacts(
     if b is None or any(effect_of(term).sought == "last" for term in fit.terms):
         return found
     least, start, rest = b.thresholds.diagnosis, Fit(b, ()), prediction.rest(fit)
-    beside = prediction.rest(fit.extended(*suspected))
+    left = prediction.rest(fit.extended(*suspected))
     for _ in range(_MOST):
-        term = contact_term(beside)
+        term = contact_term(left)
         if term is None:
             break
-        beside, with_it = beside.extended(term), rest.extended(term)
-        if not pauses(beside, term):
+        left, with_it = left.extended(term), rest.extended(term)
+        if not pauses(left, term):
             break
         if not stands(with_it, term):
             continue

@@ -26,7 +26,7 @@ class Figures:
 
     state: Identified  # without those that came to nothing
     terms: tuple[tuple[Term, dict[str, Estimate]], ...]
-    loads: frozenset[Place]  # payloads that are told by their moments
+    loads: frozenset[Place]  # payloads that are given by their moments
     notes: tuple[str, ...]  # what was done, and what came to nothing
 
 
@@ -92,7 +92,7 @@ def _is_lost_in_its_error(term: Term, figures: dict[str, Estimate]) -> bool:
     """Whether the size of what was found may as well be zero.
 
     Of a body each figure may be nothing while what they do together, which is what motors feel and
-    other sessions bear out, is not.
+    other sessions confirm, is not.
     """
     if not CATALOGUE[term.effect].size_first:
         return False
@@ -113,7 +113,7 @@ def at_bound(fit: Fit, term: Term, values: dict[str, Estimate]) -> str:
         for bound, beyond in ((each.lower, each.lower - value), (each.upper, value - each.upper)):
             if bound and np.isfinite(bound) and beyond >= -near * abs(bound):
                 return f"its {each.name.replace('_', ' ')} lies on its bound, {bound:g} {each.unit}"
-    if term.fixed or term.width != 1 or effect.shown_poorly:  # the last are told by simulations
+    if term.fixed or term.width != 1 or effect.shown_poorly:  # the last are judged by simulations
         return ""
     beta = fit.bounded()[fit.span(term).start]
     for bound in (float(limit[0]) for limit in effect.bounds):

@@ -60,7 +60,7 @@ def held_out_limits(prepared: Prepared, fit: Fit, prediction: Prediction) -> lis
 
 
 def _share(rest: Fit, term: Term) -> float:
-    """Of the mean square that was left on the rows in which the term acts."""
+    """Share of the mean square that was left on the rows in which the term acts."""
     gained = began = 0.0
     for key, column in term.columns.items():
         part = column[rest.rows[key], 0] / rest.balances.sigma[key]
@@ -72,6 +72,6 @@ def _share(rest: Fit, term: Term) -> float:
 
 
 def _where(finding: Finding, b: Balances, top: FlatTop) -> Finding:
-    """With the recordings in which it happened, and that nothing else speaks for it."""
+    """The finding with the recordings in which it happened: nothing else speaks for it."""
     names = tuple(m.recording.name for m, rows in zip(b.motions, top.rows, strict=True) if rows)
     return only_held_out(replace(finding, recordings=names), b.thresholds)

@@ -1,4 +1,4 @@
-"""What only a simulation shows well, held against simulations of the held-out recordings."""
+"""What only a simulation shows well, compared with simulations of the held-out recordings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..regression import TermKey, share_by_blocks
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SimulatedEvidence:
-    """Of terms that simulations confirmed."""
+    """Evidence of terms that simulations confirmed."""
 
     terms: dict[TermKey, Evidence] = field(default_factory=dict)
     left: dict[Key, float] = field(default_factory=dict)  # root mean square, balance by balance

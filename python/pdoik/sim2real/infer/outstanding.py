@@ -49,7 +49,7 @@ def _outstanding(prepared: Prepared, state: Identified, ordinary: Fit) -> dict[i
 
 
 def _shares(prepared: Prepared, state: Identified, fit: Fit) -> dict[int, float]:
-    """Of each judged joint: what is left, over friction, noise and the model's own error.
+    """What is left of each judged joint, over friction, noise and the model's own error.
 
     Nothing of a joint that is as quiet as its sensors are.
     """

@@ -13,7 +13,7 @@ _BINS = 12
 
 
 def residue_of(b: Balances, key: Key, left: FloatArray) -> Residue:
-    """The variable whose value tells most of what is left of a balance.
+    """The variable whose value explains most of what is left of a balance.
 
     Args:
         b: of the recordings that the joint is judged by.

@@ -1,6 +1,6 @@
 """What a log's samples and a controller's ticks leave open of a delay.
 
-The law, or the command, is known at the log's samples and held over the controller's period, half
+The law, or the command, is known at the log's samples and kept over the controller's period, half
 of which is accounted for. Forty studies with nothing wrong show what remains, as a share of that
 period: of a position's delay 0.013 root mean square and 0.06 at most where its own error is
 small, of a torque's 0.08 and 0.22. What they cannot show is that a machine logs its command a
@@ -57,7 +57,8 @@ def without_sampling(
 def shared_by_all(fit: Fit, term: Term) -> bool:
     """Whether a delay not clearly above a period is one that the other joints show as well.
 
-    Or cannot be told from such a one. Then the order in which a machine acts and logs explains it.
+    Or cannot be distinguished from such a one. Then the order in which a machine acts and logs
+    explains it.
     """
     motions, limits = fit.balances.motions, fit.balances.thresholds.diagnosis
     if not effect_of(term).is_delay or motions[0].source == "":
@@ -78,7 +79,7 @@ def shared_by_all(fit: Fit, term: Term) -> bool:
 
 
 def lateness(fit: Fit, j: int, what: float) -> tuple[float, float]:
-    """How late a joint's commands act beside a fit, to first order, and its error [s].
+    """How late a joint's commands act given a fit, to first order, and its error [s].
 
     Infinite where no balance shows it.
     """

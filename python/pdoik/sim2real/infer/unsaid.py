@@ -36,10 +36,10 @@ def with_unsaid(prepared: Prepared, state: Identified, found: Sequence[Found]) -
 
 
 def _unsaid(state: Identified, term: Term, said: set[TermKey]) -> float:
-    """What a term carries and nobody states, as its own coefficient."""
-    carried, fit, more = CATALOGUE[term.effect].carries, state.fit, 0.0
+    """What a term includes and nobody states, as its own coefficient."""
+    carries, fit, more = CATALOGUE[term.effect].carries, state.fit, 0.0
     for other in fit.terms:
-        if other.effect not in carried or other.place != term.place or other.key in said:
+        if other.effect not in carries or other.place != term.place or other.key in said:
             continue
         square = alike = 0.0
         for key in other.columns.keys() & term.columns.keys():

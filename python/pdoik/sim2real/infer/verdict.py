@@ -1,4 +1,4 @@
-"""How far each joint is explained, the verdict in one word, and what cannot be told."""
+"""How far each joint is explained, the verdict in one word, and what cannot be known."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..study import Study
 from ..thresholds import DiagnosisThresholds
 from .residue import residue_of
 
-_FEW_SESSIONS = 3  # fewer tell next to nothing of others
+_FEW_SESSIONS = 3  # fewer say next to nothing of others
 
 
 def joint_fits(
@@ -71,7 +71,7 @@ def fitted_joints(
 def _judged(
     b: Balances, key: Key | None, before: float = 0.0, after: float = 0.0, *, excited: bool = False
 ) -> JointFit:
-    """By one of its balances; None where it has none."""
+    """A joint's fit by one of its balances; None where it has none."""
     return JointFit(
         before=before,
         after=after,
@@ -83,7 +83,7 @@ def _judged(
 
 
 def _floor(b: Balances, key: Key) -> float:
-    """Of a balance: noise of its channels, and what filters and rounding leave of a torque."""
+    """Floor of a balance: noise of its channels, what filters and rounding leave of a torque."""
     rounding = b.thresholds.noise.rounding if key[0] == "torque" else 0.0
     tau = np.concatenate([m.tau[:, key[1]] for m in b.motions]) if rounding else np.zeros(1)
     return max(b.floor[key], rounding * float(np.sqrt(np.mean(tau**2))))
@@ -141,7 +141,7 @@ def _is_quiet(joint: JointFit, limits: DiagnosisThresholds) -> bool:
 
 
 def notes_of(prepared: Prepared, state: Identified, joints: dict[str, JointFit]) -> tuple[str, ...]:
-    """What was assumed and what cannot be told, in words."""
+    """What was assumed and what cannot be known, in words."""
     study = prepared.study
     notes = [*study.notes, *simulator_notes(study)]
     for recording in study.recordings:
@@ -183,11 +183,10 @@ def simulator_notes(study: Study) -> tuple[str, ...]:
 
 def _sessions_in_words(prepared: Prepared) -> str:
     """Which recordings to fit are of which session, and what was done about it."""
-    told = prepared.fit.told
-    assert told is not None
+    assert prepared.fit.told is not None
     groups: dict[str, list[str]] = {}
     for motion in prepared.fit.motions:
-        groups.setdefault(motion.setup.session or "not told", []).append(motion.recording.name)
+        groups.setdefault(motion.setup.session or "not given", []).append(motion.recording.name)
     said = "; ".join(f"{name}: {', '.join(files)}" for name, files in groups.items())
     words = f"Sessions of the recordings to fit: {said}. Figures are means over sessions."
     if len(groups) < _FEW_SESSIONS:
@@ -224,7 +223,7 @@ def source_in_words(prepared: Prepared) -> str:
         "duty": "by the drives' duties",
         "tau_cmd": "as commanded (none was reported)",
         "law": "by the controller's law (none was recorded)",
-        "": "not known: positions are held against their commands",
+        "": "not known: positions are compared with their commands",
     }
     return words[prepared.fit.motions[0].source]
 

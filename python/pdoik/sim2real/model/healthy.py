@@ -1,4 +1,4 @@
-"""What is left of a healthy machine's torques beside the model: the floor that `watch` holds to."""
+"""What the model leaves of a healthy machine's torques: the floor that `watch` holds to."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ VARIANCE = 4
 """Coefficients of a variance: of 1, and of the squares of speed, of inertial torque, of torque."""
 
 CHARTS = 3
-"""Columns that a joint's residual is held against."""
+"""Columns that a joint's residual is compared with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,13 +34,13 @@ class Healthy:
     bias: FloatArray  # (n, 3) root mean square of the column's coefficient in healthy logs [N m]
 
     def content(self) -> dict[str, Any]:
-        """As plain data."""
+        """The figures as plain data."""
         arrays = {name: getattr(self, name).tolist() for name in _SHAPES}
         return {"logs": list(self.logs), "held_out": self.held_out, **arrays}
 
     @classmethod
     def of_content(cls, content: Any, n: int) -> Healthy:
-        """Of plain data, for n joints.
+        """The figures of plain data, for n joints.
 
         Raises:
             KeyError, ValueError, TypeError: it is none.

@@ -48,7 +48,7 @@ class Model:
     gravity: Vector = STANDARD_GRAVITY  # in the base frame [m/s^2]
     findings: tuple[Finding, ...] = ()
     rigid_body: Mapping[str, FloatArray] = field(default_factory=dict)
-    """By link: ten corrected parameters instead of the robot's own, in `Inertial.ten`'s order."""
+    """Ten corrected parameters by link, instead of the robot's own, in `Inertial.ten`'s order."""
     cutoff: float | None = None  # of the filter that the findings were made with [Hz]
     healthy: Healthy | None = None  # what the model leaves of a healthy machine's torques
     study: str | None = None  # the YAML file that was diagnosed
@@ -110,7 +110,7 @@ class Model:
 
         Args:
             findings: whether to add them.
-            held: the known body in the robot's hand; what was found of others is left out.
+            held: the known body attached to the robot's hand; what was found of others is left out.
         """
         if not findings:
             return ()
@@ -312,12 +312,12 @@ def robot_text(robot: Path) -> str:
 
 
 def _acts_with(part: Part, held: str) -> bool:
-    """Whether a part acts while a known body of this label is held; "" for none."""
+    """Whether a part acts while a known body of this label is attached; "" for none."""
     return not isinstance(part, LinkChange) or part.held in ("", held)
 
 
 def _pushed_at_tip(part: Part, carrier: str, tip: str) -> Part:
-    """A push on the link that carries the tip acts at the tip, as the diagnosis has it."""
+    """A push on the link that has the tip acts at the tip, as the diagnosis has it."""
     if isinstance(part, ExternalForce) and part.link in (carrier, "") and not part.at_origin:
         return replace(part, link=tip)
     return part

@@ -1,4 +1,4 @@
-"""A model as it was in one recording: with its robot, what it held, its gains."""
+"""A model as it was in one recording: with its robot, the body attached to it, its gains."""
 
 from __future__ import annotations
 

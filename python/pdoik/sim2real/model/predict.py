@@ -135,7 +135,7 @@ def _motion(model: Model, recording: Recording) -> Motion:
 
 @lru_cache(maxsize=4)
 def _described(robot: str) -> Description:
-    """Of a text that is read for every window of a log."""
+    """The description of a text, cached: it is read for every window of a log."""
     return read_description(robot)
 
 

@@ -1,7 +1,7 @@
 """What every machine has, as smooth curves without names.
 
 Bearings rub, rotors turn with the joints, drawings are a tenth wrong, torque sensors are a little
-off. What is held against a machine that has all of it in every joint is no such thing. What even
+off. A finding must be more than a machine that has all of it in every joint explains. What even
 that leaves is the discrepancy of the model: it counts as noise, and with as few independent samples
 as it has.
 """
@@ -42,7 +42,7 @@ class Friction:
 
 
 class OneWay:
-    """By how much friction differs between the directions."""
+    """The difference of friction between the directions."""
 
     id = BACKGROUND
     shape = (1.0,)
@@ -61,7 +61,7 @@ class Rest:
     shape = (2.0,)
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """One."""
+        """A column of ones."""
         (j,) = place.joints
         return {("torque", j): np.ones((len(motion.time), 1))}
 
@@ -125,7 +125,7 @@ def _own(term: Term) -> Key:
 
 
 def _terms(balances: Balances) -> tuple[Term, ...]:
-    """Of every joint that can be judged, and of the bodies."""
+    """Terms of every joint that can be judged, and of the bodies."""
     believed = balances.thresholds.priors
     terms: list[Term] = []
     for j in range(balances.n):

@@ -143,7 +143,7 @@ class Fit:
         return other
 
     def _add(self, terms: Sequence[Term]) -> None:
-        """Put terms beside those that are there."""
+        """Add terms to those that are there."""
         first = len(self.terms)
         before, moment = self.fold_gram, self.fold_moment
         size = moment.shape[1] + sum(0 if t.fixed else t.width for t in terms)
@@ -163,11 +163,11 @@ class Fit:
                     index.setdefault(key, []).append(np.arange(at, at + term.width))
             at += 0 if term.fixed else term.width
         for key, columns in parts.items():
-            self._beside(key, np.hstack(columns), np.concatenate(index[key]))
+            self._append(key, np.hstack(columns), np.concatenate(index[key]))
         self._of((*self.terms[:first], *terms))
 
-    def _beside(self, key: Key, new: FloatArray, at: Index) -> None:
-        """Columns of a balance, and their sums."""
+    def _append(self, key: Key, new: FloatArray, at: Index) -> None:
+        """Append columns (N, k) to a balance, and their sums."""
         old, there = self.design[key], self.index[key]
         for f, span in self.spans[key]:
             part = new[span]
@@ -219,7 +219,7 @@ class Fit:
 
     @property
     def weighted(self) -> Weighted:
-        """Its terms with their coefficients."""
+        """The fit's terms with their coefficients."""
         return [(term, self.beta_of(term)) for term in self.terms]
 
     def solve(self, gram: FloatArray, moment: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""From terms to findings: names, places and words."""
+"""Findings made of terms: names, places and words."""
 
 from __future__ import annotations
 
@@ -168,12 +168,12 @@ def _of_unclear_figures(effect: Effect, values: dict[str, Estimate]) -> str:
 
 
 def _sentence(text: str) -> str:
-    """With names of places in small letters where they do not begin it."""
+    """A sentence, with names of places in small letters where they do not begin it."""
     return re.sub(r"(?<=[a-z,] )(Joint|Joints|Link|The)\b", lambda word: word[0].lower(), text)
 
 
 def _inside(where: str) -> str:
-    """Within a sentence."""
+    """A place as it is named within a sentence."""
     first, _, rest = where.partition(" ")
     return f"{first.lower()} {rest}" if first in ("Joint", "Joints", "Link", "The") else where
 

@@ -12,7 +12,7 @@ from .fit import TRACE, Fit, Term
 
 
 class OneMore:
-    """A fit's residuals and factor, made once for all terms that are tried beside its own.
+    """A fit's residuals and factor, made once for all terms that are tried in addition to its own.
 
     By the Schur complement: only the balances where a term acts are looked at.
     """
@@ -31,9 +31,9 @@ class OneMore:
         self._left: dict[Key, FloatArray] = {}
 
     def gain(self, term: Term) -> float:
-        """By how much the training cost falls with the term and everything else refitted.
+        """The fall of the training cost with the term and everything else refitted.
 
-        That of `fit.cost() - fit.extended(term).cost()`.
+        The same as `fit.cost() - fit.extended(term).cost()`.
         """
         fit, k = self._fit, 1 if term.fixed else term.width
         moment, gram, cross = np.zeros(k), np.zeros((k, k)), np.zeros((fit.size, k))

@@ -22,7 +22,7 @@ class Prediction:
     """A fit's terms evaluated on other balances; their columns are computed once."""
 
     def __init__(self, balances: Balances) -> None:
-        """Of these balances."""
+        """Predicts on these balances."""
         self.balances = balances
         self.events: list[tuple[Term, FloatArray]] = []  # found in these recordings themselves
         self.apart: set[TermKey] = set()  # terms that are not predicted with

@@ -17,19 +17,19 @@ from pdoik.recordings import FloatArray
 
 from ..findings import ERRORS
 
-_TELLS = 0.05  # of the weight of the session that tells most
+_LEAST_WEIGHT = 0.05  # of the weight of the session that says most
 _HOPELESS = 1e6  # times the least variance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spread:
-    """Between sessions of one figure."""
+    """Spread of one figure between sessions."""
 
     mean: float  # over sessions, each by its own error and the spread
     std: float  # from session to session, the sessions' own errors taken off
     p: float  # probability of such differences, or larger, between sessions that are alike
     error: float  # that the differences leave in the mean over the recorded sessions
-    sessions: int  # that tell something of the figure
+    sessions: int  # that say something of the figure
 
     def half_width(self, within: float) -> float:
         """Half of the mean's 95 % interval, `within` being its error if sessions were alike.
@@ -48,21 +48,21 @@ def spread_between(values: FloatArray, variances: FloatArray, freedom: int) -> S
 
     Args:
         values: (S,) a figure as each session has it.
-        variances: (S,) of their errors; infinite where a session tells nothing.
+        variances: (S,) of their errors; infinite where a session says nothing.
         freedom: degrees of freedom of the variances together.
     """
-    tells = variances < _HOPELESS * max(float(variances.min()), 1e-300)
-    beyond = _variance_between(values[tells], variances[tells])
-    weight = np.where(tells, 1.0 / (np.maximum(variances, 1e-300) + beyond), 0.0)
-    tells = weight > _TELLS * weight.max()
-    value, variance = values[tells], np.maximum(variances[tells], 1e-300)
+    informative = variances < _HOPELESS * max(float(variances.min()), 1e-300)
+    beyond = _variance_between(values[informative], variances[informative])
+    weight = np.where(informative, 1.0 / (np.maximum(variances, 1e-300) + beyond), 0.0)
+    informative = weight > _LEAST_WEIGHT * weight.max()
+    value, variance = values[informative], np.maximum(variances[informative], 1e-300)
     count = len(value)
     if count < 2:
         mean = float(value[0]) if count else np.nan
         return Spread(mean=mean, std=0.0, p=1.0, error=0.0, sessions=count)
     std = float(np.sqrt(_variance_between(value, variance)))
     Q, _ = _squares(value, variance)
-    pooled = 1.0 / variance  # as least squares over all sessions weighs them
+    pooled = 1.0 / variance  # as least squares over all sessions weights them
     return Spread(
         mean=_squares(value, variance + std**2)[1],
         std=std,
@@ -73,7 +73,7 @@ def spread_between(values: FloatArray, variances: FloatArray, freedom: int) -> S
 
 
 def _variance_between(values: FloatArray, variances: FloatArray) -> float:
-    """With which the weighted squares about the mean are as many as they should be; or 0."""
+    """The variance with which the weighted squares about the mean are as expected; or 0."""
     variances = np.maximum(variances, 1e-300)
     free = len(values) - 1
 

@@ -59,7 +59,7 @@ def with_real_bodies(
     x = beta[among].copy()
     for span, (_, base) in zip(spans, wrong, strict=True):
         x[span] = Inertial.from_ten(base + x[span]).nearest_body().ten() - base
-    for _ in range(_ROUNDS):  # one after the other, each beside the rest as it is
+    for _ in range(_ROUNDS):  # one after the other, each with the rest as it is
         before = x.copy()
         for span, (_, base) in zip(spans, wrong, strict=True):
             own = inside[span, span]

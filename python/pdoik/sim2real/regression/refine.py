@@ -24,7 +24,7 @@ def refined(base: Fit, term: Term) -> Term:
     One without any is the likeliest of the effect's variants.
 
     Args:
-        base: the fit beside which it is tried.
+        base: the fit to which it is added.
         term: with the parameters to begin with.
     """
     effect = CATALOGUE[term.effect]
@@ -32,7 +32,7 @@ def refined(base: Fit, term: Term) -> Term:
     free = effect.free(term.shape)
     if not free:
         return _likeliest(base, term)
-    beside = OneMore(base)
+    one_more = OneMore(base)
 
     def with_shape(values: FloatArray, *, again: bool = False) -> Term:
         shape = list(term.shape)
@@ -48,7 +48,7 @@ def refined(base: Fit, term: Term) -> Term:
 
     def cost(x: Values, *, again: bool = False) -> float:
         new = with_shape(np.atleast_1d(x), again=again)
-        return -beside.gain(new) if new.columns else 1.0  # worse than without it
+        return -one_more.gain(new) if new.columns else 1.0  # worse than without it
 
     if effect.costly:
         here = term.shape[0]
@@ -67,11 +67,11 @@ def refined(base: Fit, term: Term) -> Term:
             options={"maxfev": 60, "xatol": 1e-3, "fatol": 1.0},
         )
         best, lowest = result.x, float(result.fun)
-    return with_shape(best) if lowest < -beside.gain(term) else term
+    return with_shape(best) if lowest < -one_more.gain(term) else term
 
 
 def _likeliest(base: Fit, term: Term) -> Term:
-    """Of the effect's variants there (a report is wrong, or a drive) the one that fits best."""
+    """The effect's variant there (a report is wrong, or a drive) that fits best."""
     b, effect = base.balances, CATALOGUE[term.effect]
     shapes = effect.shapes(b.motions, term.place)
     others = [s for s in shapes if effect.variant(s) != effect.variant(term.shape)]
@@ -85,7 +85,7 @@ class _Cost(Protocol):
 
 
 def _lowest(cost: _Cost, low: float, high: float) -> tuple[FloatArray, float]:
-    """Of one parameter: on a grid, which other fits of the term look at too, then near its best."""
+    """The best value of one parameter: on a grid that fits of the term share, then closer."""
     grid = np.linspace(low, high, _GRID)
     costs = [cost(x, again=True) for x in grid]
     k = int(np.argmin(costs))

@@ -15,7 +15,7 @@ _OF_DRIVES = {ZERO: TorqueOffset(), SCALE: TorqueGain()}
 
 
 class Tolerance(Effect):
-    """Of a joint's drive beside its command or law, and of its speed beside its position."""
+    """Error of a joint's drive against its command or law, of its speed against its position."""
 
     id = "tolerance"
     on = "drive"
@@ -28,5 +28,5 @@ class Tolerance(Effect):
         return _OF_DRIVES[shape[0]].columns(motion, place, (OF_DRIVE,))
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """The tolerance in words."""
         return f"{where} is as exact as its calibration."

@@ -27,11 +27,11 @@ class _OfThatDay(Effect):
     on = "joint"
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
-        """None."""
+        """No columns."""
         return {}
 
     def statement(self, where: str, values: Mapping[str, float]) -> str:
-        """In words."""
+        """The effect in words."""
         return f"The friction of {where} differs from day to day."
 
 
@@ -44,7 +44,7 @@ def effect_of(term: Term) -> Effect:
 
 
 def trusted(balances: Balances, trust: float | None) -> tuple[Term, ...]:
-    """Ten parameters of every link, held near the model's by the user's trust.
+    """Ten parameters of every link, kept near the model's by the user's trust.
 
     The standard deviation of a mass is `trust` times the mass; of a first moment `trust` times
     mass times the larger of the centre's distance and the radius of gyration; of an inertia

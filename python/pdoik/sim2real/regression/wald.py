@@ -13,7 +13,7 @@ def wald(fit: Fit, term: Term) -> float:
     """How clearly the last term's coefficients differ from zero.
 
     The square root of beta' V^-1 beta / k, with V of `robust`. For a fixed term the coefficient
-    is fitted beside the others, around its 1.
+    is fitted with the others, around its 1.
     """
     free = fit if not term.fixed else fit.extended(_freed(term))
     beta = free.beta[-term.width :].copy()

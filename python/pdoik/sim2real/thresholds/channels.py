@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelThresholds(Group):
-    """Of factors, copies and noise in what was logged."""
+    """Thresholds of factors, copies and noise in what was logged."""
 
     least_factor: float = threshold(
         0.4, "times it should be, below which a torque's channel lies: no drive's gain is less"

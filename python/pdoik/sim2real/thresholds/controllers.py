@@ -1,4 +1,4 @@
-"""When a controller's law is believed, and when it contradicts what the study tells."""
+"""When a controller's law is believed, and when it contradicts what the study gives."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControllerThresholds(Group):
-    """Of laws that are estimated from commands, motion and effort."""
+    """Thresholds of laws that are estimated from commands, motion and effort."""
 
     least_rows: int = threshold(200, "samples below which no law is estimated", "rows")
     most_rows: int = threshold(12_000, "samples of a joint that are used at most", "rows")
@@ -70,7 +70,7 @@ class ControllerThresholds(Group):
     )
     drive_error: float = threshold(
         0.1,
-        "share by which a motor's torque per volt differs from what was told of it",
+        "share by which a motor's torque per volt differs from the given one",
         "",
         "copper's resistance grows by 0.4 % per K: windings 25 K warmer",
     )

@@ -70,7 +70,7 @@ class DiagnosisThresholds(Group):
         0.5, "noise by which a cause must change another's columns for a new linearisation", "sigma"
     )
     tilt: float = threshold(
-        0.02, "angle by which a base must be tilted for unknown bodies to weigh another way", "rad"
+        0.02, "angle of a base from which the weight of unknown bodies acts another way", "rad"
     )
     harmonic_power: float = threshold(
         20.0, "power of a harmonic in what is left, from which it is a candidate", "sigma^2"

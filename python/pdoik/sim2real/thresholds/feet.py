@@ -1,4 +1,4 @@
-"""When feet tell of the ground."""
+"""When feet show the ground."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FeetThresholds(Group):
-    """Of a robot that stands on them."""
+    """Thresholds of a robot that stands on its feet."""
 
     height: float = threshold(
         1e-3, "to which a sole's height follows from joints and pose", "m", "calibrated legs: 1 mm"

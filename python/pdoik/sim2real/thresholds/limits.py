@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LimitThresholds(Group):
-    """Of a level, or a line falling with speed, that a torque keeps while more is asked for."""
+    """Thresholds of a level, or a line falling with speed, beyond which no torque is given."""
 
     flat: float = threshold(0.02, "share of the level within which a top is flat despite all noise")
     flatter: float = threshold(0.3, "spread of a top over that of what is asked for beyond it")

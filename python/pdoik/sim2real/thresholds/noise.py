@@ -1,4 +1,4 @@
-"""What counts as noise, and how rows are parted to tell it."""
+"""What counts as noise, and how rows are divided to find it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseThresholds(Group):
-    """Of the balances that everything is weighed by."""
+    """Thresholds of the balances by which everything is compared."""
 
     model_error: float = threshold(
         0.003, "share of a torque's own size below which nothing is claimed: rounding, filters"
@@ -18,7 +18,7 @@ class NoiseThresholds(Group):
         1e-3, "share of a torque's own size below which a log without noise is no better known"
     )
     fit_error: float = threshold(
-        0.01, "share of a mismatch's own size to which the catalogue's laws are held to be exact"
+        0.01, "share of a mismatch's own size to which the catalogue's laws are taken to be exact"
     )
     block: float = threshold(
         1.5, "length of the bootstrap's blocks: longer than residuals remember", "s"

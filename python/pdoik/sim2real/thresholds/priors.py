@@ -40,8 +40,8 @@ class PriorThresholds(Group):
     drive_zero: float = threshold(
         0.02, "standard deviation of a drive's zero, in usual torques", "", "current loops"
     )
-    drive_scale: float = threshold(0.02, "the same of its scale beside its command")
-    speed_scale: float = threshold(0.005, "the same of a speed's scale beside its position's")
+    drive_scale: float = threshold(0.02, "the same of its scale against its command")
+    speed_scale: float = threshold(0.005, "the same of a speed's scale against its position's")
     imu_tilt: float = threshold(
         0.01,
         "standard deviation of an IMU's mounting about each axis",

@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProposeThresholds(Group):
-    """Of what is expected along a motion that was not made yet."""
+    """Thresholds of what is expected along a motion that was not made yet."""
 
     enough: float = threshold(0.9, "confidence from which a finding needs no further motion")
     decisive: float = threshold(
@@ -26,7 +26,7 @@ class ProposeThresholds(Group):
     )
     doubt: float = threshold(
         1.28,
-        "standard deviations that a ratio is held to fall short of what is expected",
+        "standard deviations that a ratio is assumed to fall short of what is expected",
         "s.e.",
         "one motion of ten falls shorter",
     )

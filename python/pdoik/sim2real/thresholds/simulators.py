@@ -1,4 +1,4 @@
-"""What is believed of a user's simulator beside a machine."""
+"""What is believed of a user's simulator compared with a machine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _FITTED = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulatorThresholds(Group):
-    """Of candidates that are simulated under recorded commands."""
+    """Thresholds of candidates that are simulated under recorded commands."""
 
     false_alarms: float = threshold(
         0.05, "probability, before the data, that any of what few machines have differs"

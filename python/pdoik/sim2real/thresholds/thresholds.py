@@ -51,7 +51,7 @@ class Thresholds:
     propose: ProposeThresholds = field(default_factory=ProposeThresholds)
 
     def changed(self, values: dict[str, float]) -> Thresholds:
-        """With other values by GROUP.NAME.
+        """The thresholds with other values by GROUP.NAME.
 
         Raises:
             ValueError: there is none of that name, or the value is no number of its kind.

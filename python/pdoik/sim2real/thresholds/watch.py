@@ -9,7 +9,7 @@ from .threshold import Group, threshold
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WatchThresholds(Group):
-    """Of the CUSUM charts of `pdoik watch`."""
+    """Thresholds of the CUSUM charts of `pdoik watch`."""
 
     alarms_per_day: float = threshold(
         1.0, "false alarms of all joints together in 24 h of motion", "1/day"
