@@ -49,7 +49,7 @@ class FlyingObject:
 
     @property
     def radius(self) -> float:
-        """Of the ball about the frame's origin that holds the object, [m]."""
+        """Radius of the ball about the frame's origin that holds the object [m]."""
         reach = [np.linalg.norm(points, axis=1).max() for points in self._all_points()]
         return float(max(reach))
 

@@ -177,7 +177,7 @@ def capt_table(some: pd.DataFrame) -> str:
 
 
 def _sized(some: pd.DataFrame) -> pd.DataFrame:
-    """By the number of points, which text is not sorted by."""
+    """Rows sorted by the number of points, which sorting their text does not give."""
     return some.sort_values("points", kind="stable")
 
 

@@ -38,13 +38,13 @@ def description(name: str) -> str:
 
 
 def arm(name: str) -> pdoik.Robot:
-    """By name."""
+    """The arm of this name."""
     tip = "/ee_gripper_link" if name == "WX250" else "gripper_frame_link"
     return pdoik.Robot.from_urdf(description(name), tip_link=tip)
 
 
 def bounds(robot: pdoik.Robot) -> tuple[FloatArray, FloatArray]:
-    """Its limits; of joints that have none, a whole turn."""
+    """Limits of its joints, (n,) each; a whole turn where there are none."""
     return (
         np.where(np.isfinite(robot.lower), robot.lower, -np.pi),
         np.where(np.isfinite(robot.upper), robot.upper, np.pi),

@@ -44,7 +44,7 @@ def goal_of(kind: str, T: FloatArray) -> pdoik.Goal:
 
 
 def is_met(kind: str, T: FloatArray, at: FloatArray) -> bool:
-    """By definition."""
+    """Whether a pose `at` (4, 4) is in the region about T, by definition."""
     off = T[:3, :3].T @ (at[:3, 3] - T[:3, 3])
     turned = angle(at[:3, :3].T @ T[:3, :3]) <= NEAR
     tilted = float(np.arccos(np.clip(at[:3, 2] @ T[:3, 2], -1, 1)))

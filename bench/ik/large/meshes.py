@@ -105,7 +105,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """By number of triangles."""
+    """Lines by number of triangles."""
     found = []
     for count, some in trials.groupby("count"):
         found.append(

@@ -80,7 +80,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """By number of points."""
+    """Lines by number of points."""
     few = trials[trials["count"] == min(COUNTS)].took.median()
     return [
         Line(

@@ -49,7 +49,7 @@ class Answer:
 
     @classmethod
     def of(cls, result: Any) -> "Answer":
-        """Of a result of this library's, or of a compiled peer's answer."""
+        """Make it of a result of this library's, or of a compiled peer's answer."""
         told = {name: getattr(result, name) for name in cls.__slots__ if name != "claimed"}
         return cls(claimed=result.success, **told)
 

@@ -38,7 +38,7 @@ def _stand(rng: np.random.Generator, ahead: tuple[float, float]) -> FloatArray:
 
 
 def _bookshelf(rng: np.random.Generator, columns: int, rows: int, wide: float, high: float) -> Room:
-    """Its front is at x = 0, and it opens to -x."""
+    """A bookshelf with its front at x = 0 that opens to -x."""
     deep, low = rng.uniform(0.25, 0.35), rng.uniform(0.0, 0.25)
     total, height = columns * wide, rows * high
     middle = low + 0.5 * height

@@ -43,7 +43,7 @@ def ball_of(points: int, seed: int) -> FloatArray:
 
 
 def centres(speed: float) -> FloatArray:
-    """Of the ball at each step, (T, 3) [m]."""
+    """Centres of the ball at each step, (T, 3) [m]."""
     y = -0.45 + speed * PERIOD * np.arange(round(WAY / speed / PERIOD))
     return np.stack([np.full(len(y), 0.3), y, np.full(len(y), 0.62)], axis=1)
 

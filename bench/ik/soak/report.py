@@ -117,7 +117,7 @@ def solve_table(table: pd.DataFrame, by: str, order: Sequence[str]) -> str:
 
 
 def worst_table(table: pd.DataFrame) -> str:
-    """Of what was claimed, by how much the worst is beyond its tolerance."""
+    """Table of the largest excess over tolerances among what was claimed."""
     columns = {
         f"{name}, beyond tolerance": lambda some, name=name: _figure(some[f"excess_{name}"].max())
         for name in EXCESS
@@ -126,7 +126,7 @@ def worst_table(table: pd.DataFrame) -> str:
 
 
 def deadline_lines(table: pd.DataFrame) -> str:
-    """Of the solves whose deadlines strike."""
+    """Lines of the solves whose deadlines strike."""
     some = table[table.struck]
     if not len(some):
         return "No deadline was short enough to strike."

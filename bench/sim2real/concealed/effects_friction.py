@@ -282,7 +282,7 @@ def asymmetric(scene: Scene) -> Effect:
 
 
 def load_dependent(scene: Scene) -> Effect:
-    """At a joint that carries load."""
+    """Load-dependent friction at a joint that carries load."""
     rotors = scene.ref.armature
     return scene.somewhere(
         lambda j: LoadDependent(**scene.stick(j), armature=float(rotors[j])), scene.loaded()

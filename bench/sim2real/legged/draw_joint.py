@@ -27,12 +27,12 @@ class Scene:
         return float(self.rng.choice([-1.0, 1.0]))
 
     def share(self, low: float, high: float, j: int) -> float:
-        """Of a joint's load [N m]."""
+        """A random share of a joint's load [N m]."""
         return self.rng.uniform(low, high) * self.machine.robot.load[j]
 
 
 def at_a_joint(make: Callable[[Scene, int], tuple[Figures, Figures]]) -> Draw:
-    """At any joint; the effect has the function's name."""
+    """Draw an effect at any joint; the effect has the function's name."""
 
     def draw(scene: Scene) -> tuple[Machine, Hidden]:
         machine, robot = scene.machine, scene.machine.robot

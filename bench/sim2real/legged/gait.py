@@ -107,7 +107,7 @@ class Trot:
                 self._lifted[k] = self._offset[k]
 
     def _share(self, phase: Array, swing: float) -> Array:
-        """Of the weight: none in the air, ramps after landing and before leaving."""
+        """Share of the weight on a foot: 0 in the air, ramps after landing and before leaving."""
         since, until = (phase - swing) / STEPPING, (1.0 - phase) / STEPPING
         return np.asarray(np.clip(np.minimum(since, until), 0.0, 1.0))
 

@@ -131,7 +131,7 @@ SORT = ["robot", "background"]
 
 
 def all_tables(made: pd.DataFrame, not_made: Sequence[str] = ()) -> str:
-    """By sort of world, of healthy worlds, and by kind.
+    """Tables by sort of world, of healthy worlds, and by kind.
 
     Args:
         made: a row per world.
@@ -172,6 +172,6 @@ def _by_kind(hidden: pd.DataFrame) -> str:
 
 
 def _counts(group: pd.DataFrame) -> tuple[str, ...]:
-    """Of the columns of KEYS, and the rate of false findings."""
+    """Counts of the columns of KEYS, and the rate of false findings."""
     rate = f"{group['false'].mean():.2f}" if len(group) else "-"
     return (*(str(int(group[key].sum())) for key in KEYS.values()), rate)

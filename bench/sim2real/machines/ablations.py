@@ -69,7 +69,7 @@ def main(
 
 
 def _truths(worlds: Path, joints: int) -> dict[str, dict[str, Any]]:
-    """Of the worlds of so many joints.
+    """Truths of the worlds of so many joints.
 
     Raises:
         CampaignError: there is none, or worlds that are a proof's.

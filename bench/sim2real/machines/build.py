@@ -1,4 +1,4 @@
-"""From a spec to a study folder: a machine, its days, its fault, files; and the truth elsewhere."""
+"""Build a study folder from a spec: a machine, its days, its fault; the truth lies elsewhere."""
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path

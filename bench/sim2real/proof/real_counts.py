@@ -76,7 +76,7 @@ class Tally:
 
 
 def tally(told: Iterable[Told], diagnosis: Content) -> Tally:
-    """Of one diagnosis. A finding that two facts call wrong is wrong once."""
+    """Counts of one diagnosis. A finding that two facts call wrong is wrong once."""
     told = list(told)
     return Tally(
         needed=sum((each.needed for each in told), Count()),
@@ -151,7 +151,7 @@ def crashed(diagnosis: Content) -> bool:
 
 
 def named(finding: Finding) -> str:
-    """Its name and its place."""
+    """The finding's name and place."""
     of = ""
     if finding["effect"] == "unknown":
         of = f" of {VARIABLES[int(finding['parameters']['variable']['value'])]}"

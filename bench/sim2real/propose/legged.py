@@ -98,7 +98,7 @@ class Wrong:
 
     @classmethod
     def drawn(cls, seed: int) -> "Wrong":
-        """Of a seed: kinds and joints differ, sizes are a share of those of ../legged."""
+        """Draws a seed's errors: kinds and joints vary, sizes are shares of those of ../legged."""
         spec = Spec(seed=seed)
         rng, told = spec.stream("wrong"), as_given(robot(spec.robot))
         machine, hidden = told, []
@@ -189,7 +189,7 @@ def policy_of(wrong: Wrong, way: str, base: Carried, proposal: Proposal | None) 
 
 
 def row_of(seed: int, way: str, base: Carried, search: float, out: Path, fit_only: bool) -> Row:
-    """Of one machine moved once more; the report of its first logs is kept for all ways."""
+    """Row of one machine moved once more; the report of its first logs is kept for all ways."""
     wrong, begin = Wrong.drawn(seed), time.perf_counter()
     row: Row = {"seed": seed, "way": way, "base": base}
     first = out / f"machine {seed}"
@@ -303,7 +303,7 @@ def _off(found: list[dict[str, Any]], hidden: dict[str, Any]) -> float:
 
 
 def tables(rows: pd.DataFrame) -> str:
-    """By way and base."""
+    """Table by way and base."""
     head = ["moved once more", "machines", "causes right", "false", "figures off, mean"]
     lines = []
     for (base, way), some in rows.groupby(["base", "way"], sort=False):

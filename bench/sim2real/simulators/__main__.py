@@ -178,7 +178,7 @@ def _last_links(user: UserModel) -> list[int]:
 
 
 def jobs_of(count: int) -> dict[str, dict[str, object]]:
-    """By name: a seventh with nothing, two fifths of the rest with two causes."""
+    """Jobs by name: a seventh with nothing, two fifths of the rest with two causes."""
     rng = np.random.default_rng(20)
     kinds = (
         *("damping", "frictionloss", "armature", "kp", "kv", "delay", "shared delay", "mass"),
@@ -198,7 +198,7 @@ def jobs_of(count: int) -> dict[str, dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """By cause: how often it was claimed, listed at all, and its size within the interval."""
+    """Table by cause: how often claimed, listed at all, and its size within the interval."""
     lines = []
     for cause, each in rows.groupby("cause"):
         told = each["inside"].dropna()

@@ -29,7 +29,7 @@ class Robot:
 
 
 def robots() -> dict[str, Robot]:
-    """By name; the quadruped only where example-robot-data is installed."""
+    """Robots by name; the quadruped only where example-robot-data is installed."""
     found = {
         "panda": Robot(
             urdf=shipped("panda"),

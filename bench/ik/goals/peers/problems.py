@@ -49,7 +49,7 @@ class Peer(Protocol):
     name: str
 
     def solve(self, regions: Sequence[Region], starts: FloatArray) -> Answer:
-        """From starts (K, n) in turn, until one ends in all regions."""
+        """Solve from starts (K, n) in turn, until one ends in all regions."""
         ...
 
     def any_of(self, regions: Sequence[Region], starts: FloatArray) -> Answer:
@@ -57,7 +57,7 @@ class Peer(Protocol):
         ...
 
     def nearest(self, T: FloatArray, tip: str, starts: FloatArray) -> Answer:
-        """At the place of T and as near to its orientation as can be."""
+        """The answer at the place of T and as near to its orientation as can be."""
         ...
 
 

@@ -102,7 +102,7 @@ class _Judges:
 
 
 def _things(scene: Mapping[str, Any], file: Path, links: Sequence[str]) -> dict[str, list[Solid]]:
-    """By object; one of several pieces gives solids named id/0, id/1 and so on."""
+    """Solids by object; one of several pieces gives solids named id/0, id/1 and so on."""
     things: dict[str, list[Solid]] = {}
     for thing in read_world(scene, file, links=set(links)):
         for k, piece in enumerate(thing.pieces):
