@@ -319,9 +319,9 @@ def row(source: Source, poses: int, hulls: bool) -> dict[str, str]:
         start = time.process_time()
         robot = pdoik.load_robot(given, tip_link=source.tips, packages=packages, hulls=hulls)
         seconds = time.process_time() - start
-    told = sorted({str(w.message) for w in said if w.category is pdoik.RobotWarning})
+    messages = sorted({str(w.message) for w in said if w.category is pdoik.RobotWarning})
     over = sum(w.category is pdoik.OverhangWarning for w in said)
-    for line in told:
+    for line in messages:
         print(f"  {line}")
     known = RobotDescription.of(given, packages=packages)
     urdf = known.urdf()
@@ -334,7 +334,7 @@ def row(source: Source, poses: int, hulls: bool) -> dict[str, str]:
         "kind": known.kind,
         "joints": str(robot.dof),
         "largest difference of a link's pose": f"{peer.name} {fk_error(robot, peer):.0e}",
-        "warnings": str(len(told) + over),
+        "warnings": str(len(messages) + over),
         "capsules": str(len(robot.occupancy.capsules)),
         "seconds to fit": f"{seconds:.0f}" if hulls else "",
         "collision surface in hulls, farthest outside": cover(robot, peer, touching=True),

@@ -1,7 +1,7 @@
 """Poses that five joints cannot meet: the position held, the orientation as near as can be.
 
-Beside the best of 50 descents of SciPy's SLSQP over all joints inside their limits, the position an
-equation, each from a random configuration that meets it.
+Compared with the best of 50 descents of SciPy's SLSQP over all joints inside their limits, the
+position an equation, each from a random configuration that meets it.
 """
 
 from collections.abc import Mapping
@@ -59,7 +59,7 @@ def any_turn_at_a_place(robot: pdoik.Robot, rng: np.random.Generator) -> FloatAr
 
 
 def run_job(job: Mapping[str, Any]) -> list[Row]:
-    """One call of ours beside fifty descents."""
+    """One call of ours compared with fifty descents."""
     rng = np.random.default_rng([job["seed"], 4, job["index"], ROBOTS.index(job["robot"])])
     robot = arm(job["robot"])
     solver = pdoik.Solver(robot, pdoik.Options(max_time=0.01))

@@ -1,4 +1,4 @@
-"""A free tool axis, a tilt, a line, a plane, a look: solved of those that can be, beside a pose."""
+"""A free tool axis, a tilt, a line, a plane, a look: solved of what can be, against a pose."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -92,7 +92,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Each kind beside a pose."""
+    """Lines of each kind compared with a pose."""
     found = []
     for name, of_robot in trials.groupby("robot"):
         usual = of_robot[of_robot.kind == "pose"].time.median()

@@ -1,4 +1,4 @@
-"""Hills of ever more triangles below and beside an arm: taken in, and solved among."""
+"""Hills of ever more triangles below and next to an arm: taken in, and solved among."""
 
 import time
 from collections.abc import Mapping

@@ -98,8 +98,8 @@ def open_box(rng: np.random.Generator) -> Room:
         solids.append(box([wide, BOARD, high], [0.0, sign * 0.5 * long, low + 0.5 * high]))
     aside = rng.uniform(-0.5, 0.5, 2) * (np.array([wide, long]) - 0.2)
     inside = frame([*aside, low + rng.uniform(0.04, 0.1)], DOWN @ _spin(rng))
-    beside = frame([0.0, rng.choice([-1.0, 1.0]) * (0.5 * long + 0.15), low + 0.1], DOWN)
-    return _turned(Room(solids=solids, tasks=[inside, beside]), _stand(rng, (0.45, 0.6)))
+    outside = frame([0.0, rng.choice([-1.0, 1.0]) * (0.5 * long + 0.15), low + 0.1], DOWN)
+    return _turned(Room(solids=solids, tasks=[inside, outside]), _stand(rng, (0.45, 0.6)))
 
 
 def cage(rng: np.random.Generator) -> Room:

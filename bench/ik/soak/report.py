@@ -20,8 +20,8 @@ def report(solved: pd.DataFrame, tracked: pd.DataFrame, seed: int) -> str:
     """Markdown."""
     parts = [f"Seed {seed}."]
     if len(solved):
-        beside = solved.self_collision.map({True: "self-collision", False: ""})
-        both = beside + np.where((beside != "") & solved.balance, " and ", "")
+        own = solved.self_collision.map({True: "self-collision", False: ""})
+        both = own + np.where((own != "") & solved.balance, " and ", "")
         asked = both + solved.balance.map({True: "balance", False: ""})
         solved = solved.assign(ask=asked.where(asked != "", solved.goal))
         parts += [

@@ -29,7 +29,7 @@ class Run(Protocol):
     qpos: Array
     qvel: Array
     qacc: Array
-    applied: Array  # torques beside the motors', (nv,) [N m]
+    applied: Array  # torques besides the motors', (nv,) [N m]
     motor: Any  # MuJoCo's indices of the motors
 
 
@@ -102,7 +102,7 @@ class Effect:
         return low, high
 
     def acts(self, ref: Reference) -> Array:
-        """Rows (T,) of the commanded motions in which it can be seen, beside its gate."""
+        """Rows (T,) of the commanded motions in which it can be seen, besides its gate."""
         return np.ones(len(ref.time), bool)
 
     def scaled(self, value: float) -> Effect:

@@ -1,4 +1,4 @@
-"""A world's truth beside what was said of it, and what a campaign came to."""
+"""A world's truth and what was said of it, and what a campaign came to."""
 
 import json
 import math
@@ -87,14 +87,14 @@ def is_sized(finding: Content, hidden: Content | None) -> bool:
 
 def figures_of(hidden: Content) -> dict[str, float]:
     """What is hidden in the words of findings: slopes, compliance, a change of friction."""
-    told = dict(hidden["parameters"])
+    figures = dict(hidden["parameters"])
     if hidden["effect"] == "ground_slope":  # turned about x and y
-        return {"slope_x": -math.tan(told["tilt_y"]), "slope_y": math.tan(told["tilt_x"])}
+        return {"slope_x": -math.tan(figures["tilt_y"]), "slope_y": math.tan(figures["tilt_x"])}
     if hidden["effect"] == "foot_softness":
-        return {"compliance": 1.0 / told["stiffness"]}
+        return {"compliance": 1.0 / figures["stiffness"]}
     if hidden["effect"] == "foot_friction":
-        return {"change": told["friction"] - FRICTION}
-    return told
+        return {"change": figures["friction"] - FRICTION}
+    return figures
 
 
 def in_background(finding: Content, truth: Content) -> bool:

@@ -64,7 +64,7 @@ def viscous(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
 
 
 def stribeck(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
-    """In two joints, with Coulomb friction beside it."""
+    """Stribeck friction in two joints, together with Coulomb friction."""
     figures = {"coulomb_ratio": 1.0, "speed": 0.15}
     return _each(
         draft, (0, 3), rng, lambda j, tau: Stribeck(**_stick(draft, j), extra=0.6 * tau, **figures)

@@ -83,7 +83,7 @@ def sysid(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
 
         return found, predict
 
-    set_gains(params, names, frozen=True)  # beside free masses a gain is hard to tell
+    set_gains(params, names, frozen=True)  # with free masses a gain is hard to identify
     plain, predict = fitted(params)
     set_gains(plain, names, frozen=False)
     _, scaled = fitted(plain)

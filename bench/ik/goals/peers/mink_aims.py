@@ -11,7 +11,7 @@ from bench.common.arrays import FloatArray
 from bench.ik.goals.peers.problems import Region
 
 TASK_DAMPING = 0.03  # as bench/ik/methods/mink_qp.py has it
-TURN = 0.3  # metres that a radian weighs [m]
+TURN = 0.3  # metres that a radian counts as [m]
 INSIDE = 0.8  # of a slack, where a tip outside is drawn to
 
 

@@ -107,7 +107,7 @@ def least_of(
 
 
 def by_distance(regions: Sequence[Region], at: FloatArray) -> list[int]:
-    """Regions' places in their order from a pose; a radian weighs 0.3 m."""
+    """Regions' places in their order from a pose; a radian counts as 0.3 m."""
 
     def distance(region: Region) -> float:
         turned = np.arccos(np.clip((np.trace(at[:3, :3].T @ region.T[:3, :3]) - 1) / 2, -1, 1))

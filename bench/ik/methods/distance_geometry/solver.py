@@ -63,7 +63,7 @@ class DistanceGeometricSolver(ABC):
         self.relaxed_joints = tuple(arm.robot.joint_names[k] for k in sorted(self._graph.relaxed))
 
     def solve(self, problem: Problem) -> Answer:
-        """Solve it; the terms' time ends the optimization, beside which about 1 ms is spent."""
+        """Solve it; the terms' time ends the optimization; about 1 ms more is spent besides."""
         begin = perf_counter()
         cost = self.cost(problem)
         with np.errstate(all="ignore"):  # pymanopt divides by zero when it has converged

@@ -1,4 +1,4 @@
-"""MotionBenchMaker's sets: scene0001.yaml (a PlanningScene) beside request0001.yaml."""
+"""MotionBenchMaker's sets: scene0001.yaml (a PlanningScene) next to request0001.yaml."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -46,7 +46,7 @@ def read_moveit(
     judges = _Judges(files, joint_names)
     problems = []
     for scene_file in sorted(folder.glob("scene*.y*ml"), key=_number):
-        if "sensed" in scene_file.stem:  # a cloud's voxels, beside the true scene
+        if "sensed" in scene_file.stem:  # a cloud's voxels, next to the true scene
             continue
         request_file = scene_file.with_name(scene_file.name.replace("scene", "request", 1))
         if not request_file.is_file():
