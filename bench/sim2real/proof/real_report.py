@@ -167,7 +167,7 @@ def joints_table(joints: dict[str, dict[str, Any]]) -> str:
 
 
 def proved(diagnosis: dict[str, Any]) -> str:
-    """What held-out rows bear out, and no more."""
+    """Says what held-out rows confirm, and no more."""
     judged = {n: e for n, e in diagnosis["joints"].items() if e["excited"] and e["before"] > 0.0}
     better = [name for name, each in judged.items() if each["after"] < 0.9 * each["before"]]
     if not better:
