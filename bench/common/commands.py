@@ -81,7 +81,7 @@ def write_report(file: Path, text: str, more: Mapping[str, object] | None = None
     Args:
         file: bench.common.publish takes its tables into a README.
         text: Headings and tables.
-        more: Facts beside those of the machine.
+        more: Facts besides those of the machine.
     """
     facts = {"command": _command(), **provenance(BUILD), **(more or {})}
     lines = "\n".join(f"- {name}: {value}" for name, value in facts.items())

@@ -61,5 +61,5 @@ def code_digest(*folders: str) -> str:
 
 
 def core_digest() -> str:
-    """Of the library's machine code: results of two builds are not to be mixed."""
+    """Digest of the library's machine code: results of two builds are not to be mixed."""
     return hashlib.sha256(Path(pdoik._core.__file__).read_bytes()).hexdigest()[:16]

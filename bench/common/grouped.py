@@ -39,5 +39,5 @@ def time_at(quantile: float, column: str = "time") -> Cell:
 
 
 def mean(column: str, digits: int = 3) -> Cell:
-    """Of a column, or the share of trials where it is true."""
+    """Cell with a column's mean, or the share of trials where it is true."""
     return lambda some: f"{some[column].mean():.{digits}f}"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` write to a temporary name beside `path`, then rename it; a pipe gets it as is."""
+    """Let `write` write a temporary file next to `path`, then rename it; a pipe gets it as is."""
     if path.exists() and not path.is_file():
         write(path)
         return

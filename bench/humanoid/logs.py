@@ -174,7 +174,7 @@ def write_study(folder: Path) -> None:
 
 
 def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dict[str, str]:
-    """What is hidden beside what was said; what a link carries is an error of the link."""
+    """What is hidden and what was said of it; what a link carries is an error of the link."""
     right, besides, figure = False, [], ""
     for finding in said["findings"]:
         at, effect = (*finding["joints"], *finding["links"]), finding["effect"]
@@ -187,8 +187,8 @@ def row_of(name: str, cause: Cause, said: dict[str, Any], seconds: float) -> dic
             besides.append(f"{effect} {' '.join(at)}")
             continue
         right = True
-        told = finding["parameters"]
-        if not figure and (one := told.get(cause.figure, told.get(f"d_{cause.figure}"))):
+        given = finding["parameters"]
+        if not figure and (one := given.get(cause.figure, given.get(f"d_{cause.figure}"))):
             low, high = one["interval95"][:2]
             figure = f"{one['value']:.3g} [{low:.3g}, {high:.3g}]; truly {cause.value:.3g}"
     return {

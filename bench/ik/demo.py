@@ -201,7 +201,7 @@ def _table(outcomes: list[list[Outcome]]) -> Table:
     def solved(
         figure: Callable[[Sequence[float]], Any], name: str, form: str, scale: float = 1.0
     ) -> Callable[[list[Outcome]], str]:
-        """Of the solved ones."""
+        """Cell with a figure of the solved ones."""
 
         def cell(rows: list[Outcome]) -> str:
             values = [scale * getattr(row.verdict, name) for row in rows if row.solved]

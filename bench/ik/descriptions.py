@@ -126,7 +126,7 @@ class Peer(ABC):
 
     @abstractmethod
     def poses(self, q: Mapping[str, float]) -> dict[str, FloatArray]:
-        """Of every link in the root's frame, (4, 4), at values by joint."""
+        """Poses of every link in the root's frame, (4, 4), at values by joint."""
 
     @abstractmethod
     def surfaces(self, *, touching: bool) -> Iterator[tuple[str, FloatArray]]:
@@ -134,7 +134,7 @@ class Peer(ABC):
 
 
 class Pinocchio(Peer):
-    """Of a URDF."""
+    """Reads a URDF."""
 
     name = "Pinocchio"
 
@@ -185,7 +185,7 @@ class Pinocchio(Peer):
 
 
 class Mujoco(Peer):
-    """Of an MJCF."""
+    """Reads an MJCF."""
 
     name = "MuJoCo"
 
@@ -271,7 +271,7 @@ def cover(robot: pdoik.Robot, peer: Peer, *, touching: bool) -> str:
 
 
 def solved(robot: pdoik.Robot, peer: Peer, tips: tuple[str, ...], poses: int) -> int:
-    """Of random poses, those whose answer the peer confirms."""
+    """Counts the random poses whose answer the peer confirms."""
     options = pdoik.Options(max_time=0.1, self_collision=False)
     solver = pdoik.Solver(robot, options)
     rng, confirmed = np.random.default_rng(1), 0
@@ -310,7 +310,7 @@ def fk_error(robot: pdoik.Robot, peer: Peer) -> float:
 
 
 def row(source: Source, poses: int, hulls: bool) -> dict[str, str]:
-    """Of the table."""
+    """A row of the table."""
     given, packages = source.found()
     hulls = hulls and bool(source.package)  # shipped robots have theirs
     with warnings.catch_warnings(record=True) as said:
@@ -319,9 +319,9 @@ def row(source: Source, poses: int, hulls: bool) -> dict[str, str]:
         start = time.process_time()
         robot = pdoik.load_robot(given, tip_link=source.tips, packages=packages, hulls=hulls)
         seconds = time.process_time() - start
-    told = sorted({str(w.message) for w in said if w.category is pdoik.RobotWarning})
+    messages = sorted({str(w.message) for w in said if w.category is pdoik.RobotWarning})
     over = sum(w.category is pdoik.OverhangWarning for w in said)
-    for line in told:
+    for line in messages:
         print(f"  {line}")
     known = RobotDescription.of(given, packages=packages)
     urdf = known.urdf()
@@ -334,7 +334,7 @@ def row(source: Source, poses: int, hulls: bool) -> dict[str, str]:
         "kind": known.kind,
         "joints": str(robot.dof),
         "largest difference of a link's pose": f"{peer.name} {fk_error(robot, peer):.0e}",
-        "warnings": str(len(told) + over),
+        "warnings": str(len(messages) + over),
         "capsules": str(len(robot.occupancy.capsules)),
         "seconds to fit": f"{seconds:.0f}" if hulls else "",
         "collision surface in hulls, farthest outside": cover(robot, peer, touching=True),

@@ -40,7 +40,7 @@ def measure(
         scheduler: Dask's address; None for one of this run.
         workers: Processes.
         sizes: Of rows whose size was given.
-        kept: Told of each row's trials.
+        kept: Called with each row's trials.
 
     Raises:
         BadParameter: There is no such row.

@@ -1,4 +1,4 @@
-"""Makes study folders and, beside them, their truths.
+"""Makes study folders and, next to them, their truths.
 
     python -m bench.sim2real.generate concealed --out DIR --seed 0 --count 20
     python -m bench.sim2real.generate concealed --out DIR --effect payload --robot panda

@@ -33,7 +33,7 @@ def main(
 
 
 def picture(check: StudyCheck) -> plt.Figure:
-    """Of what is seen at one joint or more."""
+    """Figure of what is seen at one joint or more."""
     joints = [joint.name for joint in check.joints]
     rows: dict[Row, dict[str, Visible]] = {}
     for each in check.effects:

@@ -54,7 +54,7 @@ class Plan:
 
 
 def min_jerk(s: float) -> float:
-    """From 0 to 1 with neither speed nor acceleration at the ends."""
+    """A quintic from 0 to 1 with neither speed nor acceleration at the ends."""
     s = min(max(s, 0.0), 1.0)
     return s**3 * (10 - 15 * s + 6 * s * s)
 

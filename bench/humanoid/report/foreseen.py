@@ -42,7 +42,7 @@ def predict_part(records: dict[Job, Record], budget: Budget) -> list[str]:
 
 
 def dodged(record: Record) -> bool:
-    """By the best plan of the short search."""
+    """Whether the best plan of the short search dodges."""
     return bool(record.get("run", {}).get("dodged"))
 
 
@@ -71,7 +71,7 @@ def _predict_summary(records: dict[Job, Record]) -> str:
 
 
 def dodgeable(record: Record) -> bool:
-    """By any plan."""
+    """Whether any plan dodges."""
     return dodged(record) or bool(record.get("long", {}).get("dodged"))
 
 

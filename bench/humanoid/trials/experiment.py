@@ -90,7 +90,7 @@ class Job:
 
     @property
     def name(self) -> str:
-        """Of its files."""
+        """Name of its files."""
         if self.mode == "stand":
             return f"stand_{self.setup.name}"
         end = "" if self.speed is None else f"_{self.speed:g}"

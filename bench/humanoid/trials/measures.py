@@ -68,7 +68,7 @@ def first_saturated(world: World, run: Run) -> Record | None:
 
 
 def _tilt(run: Run) -> FloatArray:
-    """Of the foot that is farther from level, (T,) [rad]."""
+    """Tilt of the foot that is farther from level, (T,) [rad]."""
     x, y = run.feet[:, :, 4], run.feet[:, :, 5]
     return np.asarray(np.arccos(np.clip(1 - 2 * (x * x + y * y), -1, 1)).max(axis=1))
 

@@ -59,7 +59,7 @@ class Store:
         return content
 
     def names(self) -> list[str]:
-        """Of all trials that are finished, in order."""
+        """Names of all trials that are finished, in order."""
         return sorted(path.stem for path in (self.folder / "results").glob("[!.]*.json"))
 
     def _path(self, name: str) -> Path:

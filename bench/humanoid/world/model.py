@@ -68,7 +68,7 @@ class World:
         return np.asarray(self.model.actuator_ctrlrange[:, 1])
 
     def standing_data(self, q: FloatArray) -> mujoco.MjData:
-        """At rest in posture q (19,), the left ankle where the set-up has it, no object near."""
+        """State at rest in posture q (19,), the left ankle at its set-up, no object near."""
         data = mujoco.MjData(self.model)
         self.place(data, q)
         if self.thing is not None:
@@ -185,7 +185,7 @@ def _complete_robot(spec: mujoco.MjSpec) -> None:
 
 
 def sole_centers() -> FloatArray:
-    """Of the six balls under a foot, (6, 3) in the ankle link's frame [m]."""
+    """Centres of the six balls under a foot, (6, 3) in the ankle link's frame [m]."""
     heel, toe = SOLE_HEEL + SOLE_RADIUS, SOLE_TOE - SOLE_RADIUS
     width = SOLE_HALF_WIDTH - SOLE_RADIUS
     return np.array(

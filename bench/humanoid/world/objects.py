@@ -49,7 +49,7 @@ class FlyingObject:
 
     @property
     def radius(self) -> float:
-        """Of the ball about the frame's origin that holds the object, [m]."""
+        """Radius of the ball about the frame's origin that holds the object [m]."""
         reach = [np.linalg.norm(points, axis=1).max() for points in self._all_points()]
         return float(max(reach))
 
@@ -58,7 +58,7 @@ class FlyingObject:
 
 
 def ycb_folder(folder: str | Path | None = None) -> Path | None:
-    """Where the YCB objects are: as told, else $PDOIK_SHARED/ycb; None without such a folder."""
+    """Where the YCB objects are: as given, else $PDOIK_SHARED/ycb; None without such a folder."""
     shared = os.environ.get("PDOIK_SHARED")
     path = Path(folder) if folder is not None else Path(shared) / "ycb" if shared else None
     return path if path is not None and path.is_dir() else None
@@ -121,7 +121,7 @@ def _stand_in(name: str) -> FlyingObject:
 
 
 def add_object(spec: mujoco.MjSpec, thing: FlyingObject, contype: int) -> None:
-    """Put the object in the world as a mocap body: it goes where it is told, whatever it meets."""
+    """Put the object in the world as a mocap body: it goes where it is sent, whatever it meets."""
     body = spec.worldbody.add_body(name=OBJECT_BODY, mocap=True)
     color = _COLORS[thing.name]
     for k, piece in enumerate(thing.pieces):

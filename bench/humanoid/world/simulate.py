@@ -1,4 +1,4 @@
-"""Run a throw in MuJoCo under a controller that is told where to go, and record everything."""
+"""Run a throw in MuJoCo under a controller that is given where to go, and record everything."""
 
 from __future__ import annotations
 

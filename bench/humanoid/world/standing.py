@@ -39,8 +39,8 @@ _COMFORT = {  # what the joints without a task of their own hold to, [rad]
 def _standing(setup: Setup) -> tuple[float, ...]:
     robot = robot_in_world(setup)
     comfort = np.array([_COMFORT.get(name, 0.0) for name in JOINT_NAMES])
-    # A hard task weighs 1e4 times the joints' wish; the paper asks only for the right ankle's
-    # position, so its tilt is a wish there.
+    # The weight of a hard task is 1e4 times that of the joints' wish; the paper asks only for the
+    # right ankle's position, so its tilt is a wish there.
     tilt_weight = 0.1 if setup.feet == "weld and ball" else 100.0
 
     def residuals(q: FloatArray) -> FloatArray:

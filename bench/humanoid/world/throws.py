@@ -79,7 +79,7 @@ class Throw:
         return balls
 
     def _top_speed(self, thing: FlyingObject) -> float:
-        """Of any of the object's points from the start to BEYOND behind the aim, at most, [m/s]."""
+        """Largest speed of the object's points from the start to BEYOND behind the aim [m/s]."""
         chord = np.array(self.aim) - np.array(self.start)
         ends = (0.0, self.duration / self.arrival)
         middle = max(

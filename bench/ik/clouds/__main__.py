@@ -2,8 +2,8 @@
 
     python -m bench.ik.clouds --out build/bench/clouds
 
-Beside coal's octree and k-d trees, on one processor; every job runs in a process of its own. With
---vamp DIR, where the sources of PyPI's vamp-planner are unpacked, beside VAMP's CAPT, too.
+Compared with coal's octree and k-d trees, on one processor; every job has a process of its own.
+With --vamp DIR, where PyPI's vamp-planner's sources are unpacked, also with VAMP's CAPT.
 Peers whose packages are missing are left out with a line. Results are kept as they come, and the
 same command continues where it was stopped. --quick takes a minute.
 """
@@ -120,8 +120,8 @@ def fresh_process(job: Mapping[str, Any], processor: int) -> list[dict[str, Any]
     """The rows of one job."""
     command = [sys.executable, "-m", "bench.ik.clouds.trials", processor]
     environment = {**os.environ, **dict.fromkeys(ONE_THREAD, "1")}
-    told = output_of(command, _file_name(job), input=json.dumps(job), env=environment, cwd=ROOT)
-    return json.loads(told)
+    answer = output_of(command, _file_name(job), input=json.dumps(job), env=environment, cwd=ROOT)
+    return json.loads(answer)
 
 
 def _file_name(job: Mapping[str, Any]) -> str:

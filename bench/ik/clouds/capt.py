@@ -48,8 +48,8 @@ class Capt:
             declared.restype, declared.argtypes = returned, taken
         seconds, kept = c_double(), c_int()
         start = points.ctypes.data_as(FLOATS)
-        told = byref(kept), byref(seconds)
-        self._handle = self._library.capt_create(start, len(points), *SETTINGS[name], *told)
+        outputs = byref(kept), byref(seconds)
+        self._handle = self._library.capt_create(start, len(points), *SETTINGS[name], *outputs)
         self.time = seconds.value  # of making it, filter included [s]
         self.kept = kept.value  # points that the filter left
         self.lanes = int(self._library.capt_lanes())
@@ -66,8 +66,8 @@ class Capt:
         rows = np.ascontiguousarray(q, dtype=np.float32)
         free, seconds = np.zeros(calls, dtype=np.uint8), np.zeros(calls)
         arrays = zip((rows, free, seconds), (FLOATS, POINTER(c_ubyte), DOUBLES), strict=True)
-        asked, *told = (array.ctypes.data_as(kind) for array, kind in arrays)
-        function(self._handle, asked, calls, *told)
+        asked, *outputs = (array.ctypes.data_as(kind) for array, kind in arrays)
+        function(self._handle, asked, calls, *outputs)
         return free.astype(bool), seconds
 
     def __del__(self) -> None:

@@ -16,7 +16,7 @@ from bench.ik.methods.hulls import Hull, hulls_of
 class Capsule:
     """The capsule about a spheroid: as thick and as long, fuller at its ends.
 
-    coal knows no ellipsoids beside octrees.
+    coal knows no ellipsoids together with octrees.
     """
 
     hull: Hull

@@ -37,7 +37,7 @@ def scipy_tree(points: FloatArray) -> Any:
 
 
 def _nanoflann_tree(points: FloatArray) -> Any:
-    """From C++; it keeps the array."""
+    """A k-d tree in C++; it keeps the array."""
     tree = import_module("pynanoflann").KDTree(leaf_size=LEAF_SIZE)
     tree.fit(points.copy())
     return tree

@@ -60,7 +60,7 @@ def memory_table(some: pd.DataFrame) -> str:
 
 
 def update_table(some: pd.DataFrame, intake: pd.DataFrame) -> str:
-    """A row per size, beside the intake of all."""
+    """A row per size, with the intake of all."""
     ours = intake[intake.name == OURS].groupby("points").time.median()
     return grouped_table(
         some,
@@ -76,7 +76,7 @@ def update_table(some: pd.DataFrame, intake: pd.DataFrame) -> str:
 
 
 def questions(rows: pd.DataFrame) -> pd.DataFrame:
-    """The questions' rows, with what we say and take beside, as our_free and so on."""
+    """The questions' rows, with what we say and take next to them, as our_free and so on."""
     some = rows[rows.kind == "query"].astype({"free": bool})
     key = ["robot", "points", "index"]
     ours = some[some.method == OURS].set_index(key)
@@ -177,7 +177,7 @@ def capt_table(some: pd.DataFrame) -> str:
 
 
 def _sized(some: pd.DataFrame) -> pd.DataFrame:
-    """By the number of points, which text is not sorted by."""
+    """Rows sorted by the number of points, which sorting their text does not give."""
     return some.sort_values("points", kind="stable")
 
 

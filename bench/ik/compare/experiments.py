@@ -31,7 +31,7 @@ PROTOTYPE = {
 
 
 class Compared(NamedTuple):
-    """Of one arm."""
+    """Problems and methods of one arm."""
 
     problems: list[Problem]
     methods: dict[str, Callable[[Problem], Answer]]

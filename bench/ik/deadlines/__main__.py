@@ -3,7 +3,7 @@
     python -m bench.ik.deadlines --out build/bench/deadlines
 
 Calls are timed inside C++ (deadline_calls), without the cloud's intake, which has its own column.
-Beside the idle machine, other programs keep one processor busy, then two. --quick takes a minute.
+Besides the idle machine, other programs keep one processor busy, then two. --quick takes a minute.
 """
 
 import hashlib
@@ -56,7 +56,7 @@ class Cell(NamedTuple):
 
 Plan = Sequence[tuple[str, float, Sequence[int]]]  # calls, their budgets [s], loads
 
-# Other programs run beside the default method and the tracker only.
+# Other programs run next to the default method and the tracker only.
 PLAN: Plan = (
     *(("LM", budget, LOADS) for budget in BUDGETS),
     ("tracker", TRACKER_BUDGET, LOADS),

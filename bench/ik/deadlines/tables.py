@@ -28,7 +28,7 @@ def all_tables(calls: pd.DataFrame, seed: int) -> str:
     )
     sections = [f"{INTRODUCTION} Seed {seed}."]
     for (robot, call), some in calls.groupby(["robot", "call"], sort=False):
-        if some.load.nunique() > 1:  # beside other programs, too
+        if some.load.nunique() > 1:  # with other programs running, too
             sections.append(f"**{robot}, {call}**\n\n{main_table(some)}")
     idle = calls[calls.load == 0]
     usual = idle[idle.budget == 0.001].sort_values(["robot", "points", "cloud", "call"])
@@ -51,14 +51,14 @@ def main_table(calls: pd.DataFrame) -> str:
     """A row for each budget and cloud, over all kinds of goals."""
     loads = sorted(calls.load.unique())
 
-    def beside(load: int, figure: Callable[..., object], *more: str) -> Callable[..., object]:
+    def at_load(load: int, figure: Callable[..., object], *more: str) -> Callable[..., object]:
         return lambda some: figure(some[some.load == load], *more)
 
-    columns = {"intake": beside(loads[0], lambda some: ms(some.intake.median()))}
-    columns |= {name: beside(loads[0], figure) for name, figure in FIGURES.items()}
+    columns = {"intake": at_load(loads[0], lambda some: ms(some.intake.median()))}
+    columns |= {name: at_load(loads[0], figure) for name, figure in FIGURES.items()}
     for load in loads:
-        columns[f"wall, {SIDES[load]}"] = beside(load, spread, "wall")
-        columns[f"CPU, {SIDES[load]}"] = beside(load, spread, "cpu")
+        columns[f"wall, {SIDES[load]}"] = at_load(load, spread, "wall")
+        columns[f"CPU, {SIDES[load]}"] = at_load(load, spread, "cpu")
     calls = calls.sort_values(["budget", "points", "cloud"], kind="stable")
     calls = calls.assign(allowed=[ms(budget) for budget in calls.budget])
     return grouped_table(calls, {"allowed": "budget", **KEYS}, {**columns, "late": late})

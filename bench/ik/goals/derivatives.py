@@ -1,4 +1,4 @@
-"""dq_dT beside central differences of solving again from the answer."""
+"""dq_dT compared with central differences of solving again from the answer."""
 
 from collections.abc import Mapping
 from functools import partial

@@ -1,7 +1,7 @@
 """Poses that five joints cannot meet: the position held, the orientation as near as can be.
 
-Beside the best of 50 descents of SciPy's SLSQP over all joints inside their limits, the position an
-equation, each from a random configuration that meets it.
+Compared with the best of 50 descents of SciPy's SLSQP over all joints inside their limits, the
+position an equation, each from a random configuration that meets it.
 """
 
 from collections.abc import Mapping
@@ -38,13 +38,13 @@ def description(name: str) -> str:
 
 
 def arm(name: str) -> pdoik.Robot:
-    """By name."""
+    """The arm of this name."""
     tip = "/ee_gripper_link" if name == "WX250" else "gripper_frame_link"
     return pdoik.Robot.from_urdf(description(name), tip_link=tip)
 
 
 def bounds(robot: pdoik.Robot) -> tuple[FloatArray, FloatArray]:
-    """Its limits; of joints that have none, a whole turn."""
+    """Limits of its joints, (n,) each; a whole turn where there are none."""
     return (
         np.where(np.isfinite(robot.lower), robot.lower, -np.pi),
         np.where(np.isfinite(robot.upper), robot.upper, np.pi),
@@ -59,7 +59,7 @@ def any_turn_at_a_place(robot: pdoik.Robot, rng: np.random.Generator) -> FloatAr
 
 
 def run_job(job: Mapping[str, Any]) -> list[Row]:
-    """One call of ours beside fifty descents."""
+    """One call of ours compared with fifty descents."""
     rng = np.random.default_rng([job["seed"], 4, job["index"], ROBOTS.index(job["robot"])])
     robot = arm(job["robot"])
     solver = pdoik.Solver(robot, pdoik.Options(max_time=0.01))

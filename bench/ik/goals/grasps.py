@@ -1,4 +1,4 @@
-"""Any one of 64 grasps, of which one can be had: what that takes beside that one alone.
+"""Any one of 64 grasps, of which one can be had: what that takes, against that one alone.
 
 `about one object`: poses about one place that cannot be met in a long search, most of them because
 no posture reaches them, some because all that do touch something. `far`: poses out of reach.
@@ -119,7 +119,7 @@ def _far(rng: np.random.Generator) -> FloatArray:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Times beside each other, of each kind."""
+    """Lines with the times of each kind next to each other."""
     found = []
     for kind in KINDS:
         some = trials[trials.kind == kind]

@@ -1,4 +1,4 @@
-"""A free tool axis, a tilt, a line, a plane, a look: solved of those that can be, beside a pose."""
+"""A free tool axis, a tilt, a line, a plane, a look: solved of what can be, against a pose."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -44,7 +44,7 @@ def goal_of(kind: str, T: FloatArray) -> pdoik.Goal:
 
 
 def is_met(kind: str, T: FloatArray, at: FloatArray) -> bool:
-    """By definition."""
+    """Whether a pose `at` (4, 4) is in the region about T, by definition."""
     off = T[:3, :3].T @ (at[:3, 3] - T[:3, 3])
     turned = angle(at[:3, :3].T @ T[:3, :3]) <= NEAR
     tilted = float(np.arccos(np.clip(at[:3, 2] @ T[:3, 2], -1, 1)))
@@ -92,7 +92,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Each kind beside a pose."""
+    """Lines of each kind compared with a pose."""
     found = []
     for name, of_robot in trials.groupby("robot"):
         usual = of_robot[of_robot.kind == "pose"].time.median()

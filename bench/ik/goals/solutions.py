@@ -1,4 +1,4 @@
-"""All solutions of a UR10, beside EAIK's, and many of a Panda among nine objects.
+"""All solutions of a UR10, compared with EAIK's, and many of a Panda among nine objects.
 
 EAIK's come from the same axes as Pinocchio has them. One of ours is wrong if Pinocchio says so;
 complete is a pose of which each of EAIK's that is inside limits is among ours, and, where there are

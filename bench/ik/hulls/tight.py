@@ -106,7 +106,7 @@ def measure(meshes: dict[str, FloatArray], capsules: list[Capsule]) -> list[Link
 
 
 def make_pieces(name: str, meshes: dict[str, FloatArray]) -> list[Piece]:
-    """Of every link that its capsules are not already, two links at a time."""
+    """Pieces of every link that its capsules are not already, two links at a time."""
     with ProcessPoolExecutor(2) as pool:
         found = list(pool.map(_pieces_of, [name] * len(meshes), meshes, meshes.values()))
     pieces = [piece for of_link in found for piece in of_link]

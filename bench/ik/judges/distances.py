@@ -12,7 +12,7 @@ BISECTIONS = 42  # of a quarter turn: its length over 2^42 is 4e-13, of which th
 
 
 def ellipse_distance(A: FloatArray, B: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-    """From points to the ellipse (A cos t, B sin t), A >= B > 0 and x, y >= 0, all (K,) [m].
+    """Distance of points to the ellipse (A cos t, B sin t), A >= B > 0, x, y >= 0, all (K,) [m].
 
     Half the squared distance has the slope x A sin t - y B cos t - (A^2 - B^2) sin t cos t. It is
     not positive at t = 0 nor negative at t = pi / 2 and changes sign once between: bisection.
@@ -31,7 +31,7 @@ def ellipse_distance(A: FloatArray, B: FloatArray, x: FloatArray, y: FloatArray)
 
 
 def hull_distance(points: FloatArray, a: FloatArray, b: FloatArray, A: FloatArray) -> FloatArray:
-    """From points to hulls' surfaces, negative inside, infinite to a hull that holds nothing [m].
+    """Distance of points to hulls' surfaces, (K,) [m]: negative inside, infinite to an empty hull.
 
     Points and foci a and b are (K, 3) each, semi-major axes A (K,).
     """
@@ -53,7 +53,7 @@ def hull_distance(points: FloatArray, a: FloatArray, b: FloatArray, A: FloatArra
 
 
 def to_segment(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
-    """From points (..., 3) to the segments from p to q [m]."""
+    """Distance of points (..., 3) to the segments from p to q, (...) [m]."""
     u = q - p
     square = np.einsum("...i,...i", u, u)
     along = np.einsum("...i,...i", point - p, u) / np.where(square > 0.0, square, 1.0)

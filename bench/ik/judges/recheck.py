@@ -145,7 +145,7 @@ def hull_clearance(
 
 
 def _above(points: FloatArray, faces: FloatArray) -> FloatArray:
-    """Of points (N, 3) over the highest plane of a convex surface's triangles, (N,) [m]."""
+    """Heights of points (N, 3) over the highest plane of a convex surface's triangles, (N,) [m]."""
     normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     normals, corners = normals[lengths > 0] / lengths[lengths > 0, None], faces[lengths > 0, 0]
@@ -156,7 +156,7 @@ def _above(points: FloatArray, faces: FloatArray) -> FloatArray:
 def spheroid_distance(
     points: FloatArray, a: FloatArray, b: FloatArray, semi_major: float
 ) -> FloatArray:
-    """From points (K, 3) to the surface of one spheroid with foci a and b [m]."""
+    """Distance of points (K, 3) to the surface of one spheroid with foci a and b, (K,) [m]."""
     a, b = np.broadcast_to(a, points.shape), np.broadcast_to(b, points.shape)
     return hull_distance(points, a, b, np.full(len(points), semi_major))
 

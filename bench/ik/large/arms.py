@@ -40,7 +40,7 @@ def free_configurations(
 
 
 def fastest(ask: Callable[[], pdoik.Result]) -> tuple[float, pdoik.Result]:
-    """Of a few times [s], and what it found."""
+    """Least time of a few calls [s], and the last result."""
     ask()
     least = np.inf
     for _ in range(REPEATS):

@@ -35,7 +35,7 @@ jobs = partial(jobs_of, COUNTS)
 
 
 def random_boxes(rng: np.random.Generator, count: int) -> list[pdoik.Shape]:
-    """Of 2 to 8 cm, anywhere."""
+    """Boxes with edges of 2 to 8 cm, anywhere."""
     T = np.tile(np.eye(4), (count, 1, 1))
     T[:, :3, :3] = Rotation.random(count, random_state=int(rng.integers(1 << 30))).as_matrix()
     T[:, :3, 3] = rng.uniform(*ROOM, (count, 3))
@@ -46,7 +46,7 @@ def random_boxes(rng: np.random.Generator, count: int) -> list[pdoik.Shape]:
 def clear_boxes(
     robot: pdoik.Robot, rng: np.random.Generator, count: int, free: list[FloatArray]
 ) -> list[pdoik.Shape]:
-    """Of random ones so many that are clear of all configurations."""
+    """Draws so many random boxes that are clear of all configurations."""
     solver, kept = pdoik.Solver(robot), []
     while len(kept) < count:
         more = random_boxes(rng, max(100, count - len(kept)))
@@ -147,7 +147,7 @@ def push(
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """By number of boxes."""
+    """Lines by number of boxes."""
     few = trials[trials["count"] == min(COUNTS)]
     found = []
     for count, some in trials.groupby("count"):

@@ -126,7 +126,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """By number of cells."""
+    """Lines by number of cells."""
     return [
         Line(
             what=f"ten boxes as a field of {count}^3 cells: intake; solve, contact step; over "

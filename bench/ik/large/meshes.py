@@ -1,4 +1,4 @@
-"""Hills of ever more triangles below and beside an arm: taken in, and solved among."""
+"""Hills of ever more triangles below and next to an arm: taken in, and solved among."""
 
 import time
 from collections.abc import Mapping
@@ -105,7 +105,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """By number of triangles."""
+    """Lines by number of triangles."""
     found = []
     for count, some in trials.groupby("count"):
         found.append(

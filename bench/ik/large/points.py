@@ -65,8 +65,8 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
     for k, q in enumerate(free):
         start, T = free[k - 1], robot.fk(q)
         took, result = fastest(lambda T=T, start=start: solver.solve(T, start, cloud))
-        bounded, told = fastest(lambda T=T, start=start: near.solve(T, start, cloud))
-        same = told.clearance == min(result.clearance, 0.05) and (told.q == result.q).all()
+        bounded, reported = fastest(lambda T=T, start=start: near.solve(T, start, cloud))
+        same = reported.clearance == min(result.clearance, 0.05) and (reported.q == result.q).all()
         rows.append(
             {
                 **job,
@@ -80,7 +80,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """By number of points."""
+    """Lines by number of points."""
     few = trials[trials["count"] == min(COUNTS)].took.median()
     return [
         Line(

@@ -138,7 +138,7 @@ def _around_slice(hull: Hull, low: float, high: float) -> tuple[float, float]:
 
 
 def _inner_radius(hull: Hull, place: float) -> float:
-    """Of the largest sphere about a point of the axis inside the hull [m]."""
+    """Radius of the largest sphere about a point of the axis inside the hull [m]."""
     x = np.linspace(-hull.semi_major, hull.semi_major, 1001)
     squared_width = hull.semi_minor**2 * np.maximum(1 - (x / hull.semi_major) ** 2, 0)
     return float(np.sqrt(((x - place) ** 2 + squared_width).min()))

@@ -55,7 +55,7 @@ def _hull(link: str, a: Sequence[float], other: str, b: Sequence[float], semi_ma
 
 
 def radius_of(point: FloatArray) -> float:
-    """Of an obstacle (3,) or (4,), never zero [m]."""
+    """Radius of an obstacle (3,) or (4,), never zero [m]."""
     return max(float(point[3]) if len(point) == 4 else 0.0, POINT_RADIUS)
 
 

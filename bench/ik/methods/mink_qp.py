@@ -15,7 +15,7 @@ from bench.ik.methods.problem import Answer, Problem, Terms, with_restarts
 SOLVER = "daqp"  # what mink installs and shows
 # Most were tried one at a time, on 25 to 60 problems per arm with nine spheres of 5 cm, 1 to 5 cm
 # from the arm, and then taken together; differences are often within noise.
-ROTATION_WEIGHT = 0.3  # metres that one radian weighs [m]
+ROTATION_WEIGHT = 0.3  # metres that one radian counts as [m]
 TASK_DAMPING = 0.03  # mink's lm_damping
 QP_DAMPING = 1e-6
 LARGEST_STEP = 1.0  # of a joint [rad]

@@ -49,14 +49,14 @@ class Answer:
 
     @classmethod
     def of(cls, result: Any) -> "Answer":
-        """Of a result of this library's, or of a compiled peer's answer."""
-        told = {name: getattr(result, name) for name in cls.__slots__ if name != "claimed"}
-        return cls(claimed=result.success, **told)
+        """Make it of a result of this library's, or of a compiled peer's answer."""
+        fields = {name: getattr(result, name) for name in cls.__slots__ if name != "claimed"}
+        return cls(claimed=result.success, **fields)
 
     def row(self) -> dict[str, Any]:
         """For a table of trials."""
-        told = {name: getattr(self, name) for name in self.__slots__}
-        return {**told, "q": self.q.tolist()}
+        fields = {name: getattr(self, name) for name in self.__slots__}
+        return {**fields, "q": self.q.tolist()}
 
 
 class Method(Protocol):

@@ -69,7 +69,7 @@ class AngleLbfgsB:
         )
 
     def _solved(self) -> bool:
-        """Of the last point that the objective saw: the test that ends method "paper", too."""
+        """Whether the last point that was evaluated passes the test that ends method "paper"."""
         return bool(
             self._objective.last_position_error < self._options.position_tolerance
             and self._objective.last_rotation_error < self._options.rotation_tolerance

@@ -125,7 +125,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of all, of solids and of points."""
+    """Lines of all, of solids and of points."""
     found = [
         solved(trials, "free axis among obstacles"),
         timed(trials, "free axis among obstacles", ASKED),

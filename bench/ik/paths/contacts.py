@@ -15,7 +15,7 @@ AT_ONCE = 64  # configurations, whose capsules a cache holds
 
 
 class Contacts:
-    """Of one arm in one world.
+    """Contacts of one arm in one world.
 
     Every capsule is in a ball, and only of those that meet something the distance is taken: figures
     of what is apart are not needed.

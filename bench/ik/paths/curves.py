@@ -29,7 +29,7 @@ Curve = tuple[FloatArray, FloatArray]  # points (M, 3) and rotation matrices (M,
 
 
 def flat(points: FloatArray) -> Curve:
-    """Of points (M, 2) or (M, 3), with the tool straight."""
+    """Curve of points (M, 2) or (M, 3), with the tool straight."""
     P = np.zeros((len(points), 3))
     P[:, : points.shape[1]] = points
     return P, np.tile(np.eye(3), (len(P), 1, 1))

@@ -42,7 +42,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of all, and of each arm."""
+    """Lines of all, and of each arm."""
     found = [
         solved(trials, "poses, free"),
         timed(trials, "poses, free", ASKED),

@@ -73,7 +73,7 @@ def _between_cubes(
 
 
 def _through_wall(rng: np.random.Generator, arm: str, count: int) -> tuple[FloatArray, list[Solid]]:
-    """From before a wall through a window in it, the tool ahead."""
+    """A path from before a wall through a window in it, the tool ahead, and the wall's solids."""
     bearing, distance = rng.uniform(-1.0, 1.0), rng.uniform(*WALLS[arm])
     height, thick = rng.uniform(0.35, 0.65), rng.uniform(0.02, 0.06)
     wide, high = rng.uniform(0.22, 0.4, 2)
@@ -110,7 +110,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of each kind."""
+    """Lines of each kind."""
     found = []
     for kind, some in trials.groupby("kind", sort=False):
         what = {"cubes": "between two cubes", "wall": "through a gap in a wall"}[str(kind)]

@@ -28,7 +28,7 @@ SAID_STEP = np.deg2rad(7.0)  # from station to station
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
-    """Of one motion; errors are the largest [m], [rad]."""
+    """Verdict on one motion; errors are the largest [m], [rad]."""
 
     station_position: float
     station_rotation: float
@@ -104,7 +104,7 @@ def judged(problem: Problem, Q: FloatArray, at: FloatArray, *, part: bool = Fals
 
 
 def beyond_limits(arm: str, Q: FloatArray) -> float:
-    """By how much a joint is at most, negative inside [rad] or [m]."""
+    """Largest excess of a joint beyond its limits, negative inside [rad] or [m]."""
     limits = judge_of(arm).kinematics
     return float(np.maximum(limits.lower - Q, Q - limits.upper).max())
 
@@ -129,7 +129,7 @@ def along(Q: FloatArray, at: FloatArray, places: FloatArray) -> FloatArray:
 
 
 def tool_at(problem: Problem, Q: FloatArray) -> FloatArray:
-    """Its poses, (B, 4, 4)."""
+    """Poses of the tool in configurations (B, n), (B, 4, 4)."""
     kinematics = judge_of(problem.arm).kinematics
     T = np.tile(np.eye(4), (len(Q), 1, 1))
     tip = problem.robot.tip_links[0]

@@ -1,4 +1,4 @@
-"""How long motions are beside the shortest that a sampling search finds."""
+"""How long motions are compared with the shortest that a sampling search finds."""
 
 from collections.abc import Mapping
 from typing import Any

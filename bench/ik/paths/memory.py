@@ -73,7 +73,7 @@ def alone(arm: str, goal: str, index: int, seed: int) -> str:
 
 
 def _held(name: str) -> int:
-    """Of this process [kB]; Linux only."""
+    """Memory of this process [kB]; Linux only."""
     text = Path("/proc/self/status").read_text()
     return int(text.split(f"{name}:")[1].split()[0])
 

@@ -29,7 +29,7 @@ ASKED = 0.005  # the median [s]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Move:
-    """From one clear configuration to another."""
+    """A move from one clear configuration to another."""
 
     key: str
     world: World
@@ -116,7 +116,7 @@ def judged(move: Move, Q: FloatArray | None) -> Row:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of each kind, and of all."""
+    """Lines of each kind, and of all."""
     groups = [(str(kind), some) for kind, some in trials.groupby("kind", sort=False)]
     return [_line(kind, some) for kind, some in [*groups, ("all", trials)]]
 

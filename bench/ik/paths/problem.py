@@ -82,7 +82,7 @@ class Problem:
         return np.asarray(T)
 
     def errors(self, T_is: FloatArray, T_wanted: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Of position [m] and of turn [rad], (B,) each."""
+        """Errors of position [m] and of turn [rad], (B,) each."""
         position = np.linalg.norm(T_is[:, :3, 3] - T_wanted[:, :3, 3], axis=1)
         if self.free:
             turn = np.linalg.norm(_least_turn(T_is[:, :3, 2], T_wanted[:, :3, 2]), axis=1)

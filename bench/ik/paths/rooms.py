@@ -38,7 +38,7 @@ def _stand(rng: np.random.Generator, ahead: tuple[float, float]) -> FloatArray:
 
 
 def _bookshelf(rng: np.random.Generator, columns: int, rows: int, wide: float, high: float) -> Room:
-    """Its front is at x = 0, and it opens to -x."""
+    """A bookshelf with its front at x = 0 that opens to -x."""
     deep, low = rng.uniform(0.25, 0.35), rng.uniform(0.0, 0.25)
     total, height = columns * wide, rows * high
     middle = low + 0.5 * height
@@ -98,8 +98,8 @@ def open_box(rng: np.random.Generator) -> Room:
         solids.append(box([wide, BOARD, high], [0.0, sign * 0.5 * long, low + 0.5 * high]))
     aside = rng.uniform(-0.5, 0.5, 2) * (np.array([wide, long]) - 0.2)
     inside = frame([*aside, low + rng.uniform(0.04, 0.1)], DOWN @ _spin(rng))
-    beside = frame([0.0, rng.choice([-1.0, 1.0]) * (0.5 * long + 0.15), low + 0.1], DOWN)
-    return _turned(Room(solids=solids, tasks=[inside, beside]), _stand(rng, (0.45, 0.6)))
+    outside = frame([0.0, rng.choice([-1.0, 1.0]) * (0.5 * long + 0.15), low + 0.1], DOWN)
+    return _turned(Room(solids=solids, tasks=[inside, outside]), _stand(rng, (0.45, 0.6)))
 
 
 def cage(rng: np.random.Generator) -> Room:

@@ -110,7 +110,7 @@ def solved(trials: pd.DataFrame, what: str) -> Line:
 
 
 def timed(trials: pd.DataFrame, what: str, wanted: tuple[float, float]) -> Line:
-    """Of whole paths of 200 stations."""
+    """Line with the times of whole paths of 200 stations."""
     some = trials[trials.whole & (trials.stations == 200)]
     if some.empty:
         return Line(what=f"{what}: time", asked="", measured="none", cases="0", failures="")

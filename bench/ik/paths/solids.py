@@ -32,7 +32,7 @@ class Solid:
         return pdoik.Shape.half_space(name, self.T[:3, 2], self.T[:3, 3])
 
     def distance(self, points: FloatArray) -> FloatArray:
-        """From points (..., 3) to its surface, negative inside, (...) [m]."""
+        """Distance of points (..., 3) to its surface, negative inside, (...) [m]."""
         local = (points - self.T[:3, 3]) @ self.T[:3, :3]
         if self.kind == "half_space":
             return np.asarray(local[..., 2])
@@ -46,7 +46,7 @@ class Solid:
         return np.asarray(outside + np.minimum(off.max(axis=-1), 0.0))
 
     def to_segment(self, p: FloatArray, q: FloatArray) -> FloatArray:
-        """From the segments pq, (K, 3) each, (K,) [m].
+        """Distance of the segments pq, (K, 3) each, (K,) [m].
 
         The distance from a convex solid is a convex function along a line: golden sections.
         """

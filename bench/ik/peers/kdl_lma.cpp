@@ -21,7 +21,7 @@ namespace {
 // Its solver stops when the norm of the weighted error, six numbers, is below eps (not its square,
 // as its documentation has it): with eps the smaller tolerance, weighted, both tolerances hold.
 // Both figures are chosen by hand on the targets of bench/ik/compare/__main__.py.
-constexpr double kRotationWeight = 1.0;  // metres that one radian weighs [m]
+constexpr double kRotationWeight = 1.0;  // metres that one radian counts as [m]
 constexpr int kMaxIterations = 30;       // of one attempt
 
 KDL::Frame to_kdl(const Eigen::Isometry3d& T) {

@@ -23,7 +23,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 // Chosen by hand on the targets of bench/ik/compare/__main__.py, for the best median and 95th
 // percentile of three arms.
-constexpr double kRotationWeight = 0.3;   // metres that one radian weighs [m]
+constexpr double kRotationWeight = 0.3;   // metres that one radian counts as [m]
 constexpr double kFirstDamping = 0.3;     // lambda, of the mean diagonal entry of J J^T
 constexpr double kDampingDecrease = 0.2;  // after a step that reduced the error
 constexpr double kDampingIncrease = 4.0;  // after one that did not

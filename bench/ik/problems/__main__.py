@@ -81,8 +81,8 @@ def run(
 ) -> None:
     """Solve problem sets and judge every answer by meshes."""
     with plain_errors():
-        told = dict(map(_held, hold or []))
-        files = given_by_user(_files(robot, urdf, srdf, packages, tip, base), told)
+        fixed = dict(map(_held, hold or []))
+        files = given_by_user(_files(robot, urdf, srdf, packages, tip, base), fixed)
         robots = HeldRobots(files, meshes, hull_meshes)
         sets = {}
         for path in source or []:
@@ -98,7 +98,7 @@ def run(
         for name in families or ([] if source else ours):
             with console.status(f"making {name} for {files.name}"):
                 sets[name] = problems_of(
-                    name, files.name, count, seed, joint_names=robots.joint_names, told=told
+                    name, files.name, count, seed, joint_names=robots.joint_names, told=fixed
                 )
         rows = []
         budgets = [milliseconds / 1e3 for milliseconds in budget or [10.0, 100.0]]

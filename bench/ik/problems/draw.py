@@ -28,7 +28,7 @@ LIGHT = np.array([0.4, -0.6, 0.7])
 
 @cache
 def _judges(robot: str) -> tuple[Judge, Judge]:
-    """By coarse and by fine meshes."""
+    """Judges by coarse and by fine meshes."""
     return Judge(robot_files(robot), "collision"), Judge(robot_files(robot), "visual")
 
 

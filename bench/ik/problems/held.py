@@ -76,6 +76,6 @@ def given_by_user(files: RobotFiles, hold: Mapping[str, float]) -> RobotFiles:
     Raises:
         ValueError: The description has no such joint.
     """
-    told = replace(files, told=hold)
-    told.xml()  # which looks whether the joints are there
-    return told
+    given = replace(files, told=hold)
+    given.xml()  # which looks whether the joints are there
+    return given

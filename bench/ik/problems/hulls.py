@@ -18,7 +18,7 @@ def fitted_robot(files: RobotFiles, meshes: Meshes = "collision", kept: Path = K
     """The robot with hulls that hold its meshes.
 
     The SRDF's pairs are ignored between hulls, and so are pairs of hulls that always touch. Hulls
-    are in their links' frames: where joints are told to stand does not change them.
+    are in their links' frames: where joints are set to stand does not change them.
 
     Raises:
         pdoik.LoadError: The description or a mesh cannot be read.

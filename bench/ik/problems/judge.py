@@ -86,7 +86,7 @@ class Judge:
         return self._in_base(link)
 
     def jacobian(self, q: FloatArray, link: str) -> FloatArray:
-        """Of a link's frame in that frame: linear rows first, (6, n) in q's order."""
+        """Jacobian of a link's frame in that frame: linear rows first, (6, n) in q's order."""
         frame, full_q = self._frame(link), self._expand(q)
 
         def of(frame: int) -> FloatArray:
@@ -255,7 +255,7 @@ class _Piece:
 
     @classmethod
     def of(cls, model: Any, item: Any) -> "_Piece":
-        """Of Pinocchio's geometry."""
+        """Make it of Pinocchio's geometry."""
         link = model.frames[item.parentFrame].name
         piece, shape = cls(link, item.geometry, item.parentJoint, item.placement), item.geometry
         if isinstance(shape, coal.BVHModelBase):

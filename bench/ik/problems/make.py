@@ -69,7 +69,7 @@ def problems_of(
 
 
 def judges_of(files: RobotFiles, joint_names: Sequence[str] | None = None) -> tuple[Judge, Judge]:
-    """By the meshes that one sees, and by the coarser ones."""
+    """Judges by the meshes that one sees, and by the coarser ones."""
     return Judge(files, "visual", joint_names), Judge(files, "collision", joint_names)
 
 

@@ -28,7 +28,7 @@ class Problem:
     allowed: frozenset[Contact] = frozenset()
     """What may touch: the tool and the object that carries the target, the base and its table."""
     contacts: dict[str, FloatArray] = field(default_factory=dict)
-    """By which links the robot stands: points (K, 3) in the link's frame [m]; empty if bolted."""
+    """Points (K, 3) of each link that the robot stands on, in its frame [m]; empty if bolted."""
     held: dict[str, float] = field(default_factory=dict)
     """Where joints stand that nobody moves, such as fingers [rad], [m]; else as the files say."""
 

@@ -30,7 +30,7 @@ class RobotFiles:
     tips: tuple[str, ...]
     base: str | None = None  # None for the description's root
     held: Mapping[str, float] = field(default_factory=dict)
-    """Joints that stand still [rad], [m], unless they are told where else."""
+    """Joints that stand still [rad], [m], unless other values are given."""
     told: Mapping[str, float] = field(default_factory=dict)
     """The same, as the user or a problem says."""
     touch_links: tuple[str, ...] = ()  # the tool's links, which may touch what carries a target
@@ -41,22 +41,22 @@ class RobotFiles:
         return {**self.held, **self.told}
 
     def standing(self, values: Mapping[str, float], moved: Collection[str]) -> "RobotFiles":
-        """With joints that are not moved where these values say, unless they were told before.
+        """With joints that are not moved where these values say, unless they were given before.
 
         Joints that the description does not have are left out; what follows another one follows.
         """
-        told = {}
+        still = {}
         for name, joint in self._movable().items():
             mimic = joint.find("mimic")
             leader = "" if mimic is None else mimic.get("joint", "")
             if name in moved:
                 continue
             if name in values:
-                told[name] = values[name]
+                still[name] = values[name]
             elif mimic is not None and leader in values:
                 factor = float(mimic.get("multiplier", 1))
-                told[name] = factor * values[leader] + float(mimic.get("offset", 0))
-        return replace(self, told={**told, **self.told})
+                still[name] = factor * values[leader] + float(mimic.get("offset", 0))
+        return replace(self, told={**still, **self.told})
 
     def _movable(self) -> dict[str, ElementTree.Element]:
         joints = ElementTree.parse(self.urdf).getroot().findall("joint")

@@ -101,7 +101,7 @@ def _steps(length: float, leaf: float) -> int:
 
 
 def _line(length: float, leaf: float) -> FloatArray:
-    """From -length / 2 to length / 2, both ends included."""
+    """Points from -length / 2 to length / 2, both ends included."""
     return np.linspace(-length / 2, length / 2, _steps(length, leaf) + 1)
 
 

@@ -43,7 +43,7 @@ def ball_of(points: int, seed: int) -> FloatArray:
 
 
 def centres(speed: float) -> FloatArray:
-    """Of the ball at each step, (T, 3) [m]."""
+    """Centres of the ball at each step, (T, 3) [m]."""
     y = -0.45 + speed * PERIOD * np.arange(round(WAY / speed / PERIOD))
     return np.stack([np.full(len(y), 0.3), y, np.full(len(y), 0.62)], axis=1)
 
@@ -53,7 +53,7 @@ def crossing(
 ) -> tuple[FloatArray, list[pdoik.TrackerResult], FloatArray]:
     """Configurations (T, n), what each step says, and for how long its thread had to wait [s].
 
-    A tracker that is told the ball's speed has it with every step.
+    A tracker that is given the ball's speed has it with every step.
     """
     judge, ball = judge_of("panda"), ball_of(points, seed)
     options = pdoik.Options(clearance=CLEARANCE, max_obstacles=20_000)
@@ -108,7 +108,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
     without = crossing(*asked, UNHURRIED)[0]
     unhurried = clearances(judge, without, *asked)
     found = clearances(judge, without, *asked, later=1)
-    told = clearances(judge, crossing(*asked, UNHURRIED, told=True)[0], *asked, later=1)
+    moving = clearances(judge, crossing(*asked, UNHURRIED, told=True)[0], *asked, later=1)
     return [
         {
             "points": job["points"],
@@ -120,7 +120,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
             "preempted": int((struck & (absent > PREEMPTED)).sum()),
             "unhurried": float(unhurried.min()),
             "found": float(found.min()),
-            "found_told": float(told.min()),
+            "found_told": float(moving.min()),
             "unhurried_short": int((unhurried < CLEARANCE - TOLERANCE).sum()),
         }
     ]

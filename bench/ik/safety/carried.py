@@ -67,7 +67,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def deeper(judge: Judge, box: Box, Q: FloatArray, balls: FloatArray) -> FloatArray:
-    """By how much each step is deeper in balls (T, N, 4), or itself, than Q[k] and contact [m]."""
+    """Depth of each step in balls (T, N, 4), or itself, beyond that of Q[k] and contact [m]."""
     now, held = (_gaps(judge, box, some, balls) for some in (Q[1:], Q[:-1]))
     beyond: FloatArray = np.max(
         [np.minimum(still, 0.0) - there for there, still in zip(now, held, strict=True)], axis=0
@@ -134,7 +134,7 @@ def _balls(judge: Judge, q: FloatArray, rng: np.random.Generator) -> FloatArray:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of all runs."""
+    """Lines of all runs."""
     steps, deep = int(trials.n.sum()), int(trials.deeper.sum())
     return [
         Line(

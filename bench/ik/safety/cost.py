@@ -1,4 +1,4 @@
-"""What a step costs that is held back by what it touches, beside one that is free."""
+"""What a step costs that is held back by what it touches, compared with one that is free."""
 
 from collections.abc import Mapping
 from typing import Any

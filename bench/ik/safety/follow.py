@@ -84,7 +84,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of all runs, and how many are ever behind."""
+    """Lines of all runs, and how many are ever behind."""
     behind = trials[trials.late > 0]
     return [
         Line(

@@ -71,7 +71,7 @@ def walk(
 def verdict(
     judge: Judge, Q: FloatArray, struck: BoolArray, foot: FloatArray, hand: FloatArray, index: int
 ) -> Row:
-    """Of steps from Q[k] to Q[k + 1]: those that stay short of the goals, and what they gain."""
+    """Row of steps from Q[k] to Q[k + 1]: those that stay short of the goals, and their gain."""
     _, options, _ = h1_stance()
     asked = Asked.of(options)
     goals = [
@@ -158,7 +158,7 @@ def _model(
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of all steps short of their goals."""
+    """Lines of all steps short of their goals."""
     short, could = int(trials.short.sum()), int(trials.could.sum())
     unstruck = int(trials.could_unstruck.sum())
     moves = int(trials.moves.sum())

@@ -59,7 +59,7 @@ class Errand:
         )
 
     def _place(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Of all joints; the Jacobian is in the data then."""
+        """Rotations and positions of all joints; sets the Jacobian of q."""
         whole = pin.neutral(self._model)
         whole[self._at_q] = q
         pin.computeJointJacobians(self._model, self._data, whole)
@@ -145,7 +145,7 @@ class Errand:
         return distance - radii, np.einsum("ci,cij->cj", normal, rates)
 
     def errors(self, Q: FloatArray) -> FloatArray:
-        """Of configurations, (B,), infinite for what is deeper in anything than a graze [m]."""
+        """Errors of configurations, (B,) [m], infinite if deeper in anything than a graze."""
         tip = self._judge.kinematics.spec.tip_links[0]
         goals = Goals(tip=tip, T=np.broadcast_to(self._T, (len(Q), 4, 4)))
         verdicts = self._judge([goals], Q, Asked())
@@ -222,7 +222,7 @@ def _step(
     G: FloatArray,
     bounds: tuple[FloatArray, FloatArray],
 ) -> FloatArray:
-    """Of least squares, with a row more for whatever the last attempt would have gone into."""
+    """Step of least squares, with a row more for what the last attempt would have gone into."""
     held = gaps < 0.0
     for _ in range(ATTEMPTS):
         A, b = np.vstack([J, STIFF * G[held]]), -np.concatenate([r, STIFF * gaps[held]])
@@ -242,7 +242,7 @@ def _may_touch(p: FloatArray, q: FloatArray, radii: FloatArray, box: Box) -> Boo
 
 
 def _nearest(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
-    """Of segments pq to points, (..., 3)."""
+    """Nearest points of segments pq to points, (..., 3)."""
     u = q - p
     square = np.einsum("...i,...i", u, u)
     along = np.einsum("...i,...i", point - p, u) / np.where(square > 0.0, square, 1.0)
@@ -252,7 +252,7 @@ def _nearest(point: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
 def _nearest_two(
     p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Of the segments pq and rs, (C, 3): either at an end, or at the common perpendicular."""
+    """Nearest points of segments pq and rs, (C, 3): at an end, or at the common perpendicular."""
     u, v, w = q - p, s - r, r - p
     uu, uv, vv = (np.einsum("ci,ci->c", *pair) for pair in ((u, u), (u, v), (v, v)))
     uw, vw = (np.einsum("ci,ci->c", each, w) for each in (u, v))

@@ -18,7 +18,7 @@ def jobs(size: int, seed: int) -> Jobs:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Of steps that are deeper, and of any that break another promise."""
+    """Lines of steps that are deeper, and of any that break another promise."""
     steps, struck = int(trials.n.sum()), int(trials.deadline_struck.sum())
     deeper = int(trials["fault deeper"].sum())
     others = {

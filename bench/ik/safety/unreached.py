@@ -35,7 +35,7 @@ MOVES = 0.05  # a joint that reverses is at least as fast [rad/s]
 RESTS = 1e-3  # a joint that rests is slower [rad/s]
 STILL, STEPS = 300, 8000  # steps without motion that end a run, and the most
 NO_MOTION = 1e-9  # in a step [rad]
-NEAR, NEAR_STARTS = 0.1, 3  # beside the start [rad]
+NEAR, NEAR_STARTS = 0.1, 3  # about the start [rad]
 STARTS = 64  # anywhere
 WORSE = 1e-3  # than the least [m]
 CLEAR = 0.002  # of a start [m]
@@ -147,7 +147,7 @@ def run_job(job: Mapping[str, Any]) -> list[Row]:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Rest, and what is left beside the least."""
+    """Lines of rest, and of what is left compared with the least."""
     some = trials[trials["index"] < OF_REST]
     rests = some.speed < RESTS
     kinds = ", ".join(f"{int((some.kind == kind).sum())} {kind}" for kind in KINDS)

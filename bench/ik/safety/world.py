@@ -55,7 +55,7 @@ class World:
 
 @cache
 def judge_of(name: str) -> Judge:
-    """Of a built-in robot with its hulls."""
+    """Judge of a built-in robot with its hulls."""
     return Judge(builtin_spec(name), robot_of(name).joint_names)
 
 
@@ -71,7 +71,7 @@ def without_hulls(spec: RobotSpec) -> RobotSpec:
 
 
 def pose_of(judge: Judge, q: FloatArray, link: str = "") -> FloatArray:
-    """Of a link, the first tip by default, (4, 4)."""
+    """Pose of a link, the first tip by default, (4, 4)."""
     link = link or judge.kinematics.spec.tip_links[0]
     T = np.eye(4)
     R, p = judge.kinematics.link(judge.kinematics.place(q[None]), link)
@@ -80,7 +80,7 @@ def pose_of(judge: Judge, q: FloatArray, link: str = "") -> FloatArray:
 
 
 def distances(judge: Judge, Q: FloatArray, world: World) -> tuple[FloatArray, FloatArray]:
-    """From the robot to the world and to itself, in configurations (B, n), (B,) each [m]."""
+    """Distances of the robot to the world and to itself in configurations (B, n), (B,) each [m]."""
     a, b = judge.hulls(judge.kinematics.place(Q))
     clear = judge.clearance(a, b, world.balls, KEPT)
     if world.boxes:
@@ -91,7 +91,7 @@ def distances(judge: Judge, Q: FloatArray, world: World) -> tuple[FloatArray, Fl
 
 
 def box_gap(p: FloatArray, q: FloatArray, radii: FloatArray, box: Box) -> float:
-    """From the nearest of capsules, (H, 3) and (H,), to a box; far away a bound will do [m]."""
+    """Distance of the nearest capsule, (H, 3) and (H,), to a box; far away a lower bound [m]."""
     bounds = to_segment(box.T[:3, 3], p, q) - radii - 0.5 * np.linalg.norm(box.size)
     near = bounds < FAR
     exact = to_box(p[near], q[near], radii[near], box)[0]
@@ -101,14 +101,14 @@ def box_gap(p: FloatArray, q: FloatArray, radii: FloatArray, box: Box) -> float:
 def to_box(
     p: FloatArray, q: FloatArray, radii: FloatArray, box: Box
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """From capsules to a box: as `to_solid`."""
+    """Distances of capsules to a box: as `to_solid`."""
     return to_solid(p, q, radii, coal.Box(*box.size), box.T)
 
 
 def to_solid(
     p: FloatArray, q: FloatArray, radii: FloatArray, solid: Any, T_base_solid: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """From capsules to what coal knows: gaps (H,), nearest points of their cores and normals."""
+    """Distances (H,) of capsules to a coal shape, nearest points of their cores and normals."""
     place = coal.Transform3s(T_base_solid[:3, :3], T_base_solid[:3, 3])
     request, gaps = coal.DistanceRequest(True), np.empty(len(p))
     points, normals = np.empty((2, len(p), 3))

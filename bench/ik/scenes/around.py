@@ -56,7 +56,7 @@ def arm_named(robot: str) -> Arm:
 
 @cache
 def chain_of(robot: str) -> UrdfChain:
-    """Its kinematics by plain NumPy."""
+    """The robot's kinematics by plain NumPy."""
     return UrdfChain(arm_named(robot).urdf, arm_named(robot).robot.joint_names)
 
 

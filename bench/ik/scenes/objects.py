@@ -34,7 +34,7 @@ class ObjectModel:
     name: str
     points: FloatArray  # (N, 3), [m]
     triangles: FloatArray = field(default_factory=lambda: np.empty((0, 3, 3)))
-    """Its surface as a mesh in the same frame, (T, 3, 3) [m], where one is known."""
+    """The surface as a mesh in the same frame, (T, 3, 3) [m], where one is known."""
 
     @property
     def size(self) -> FloatArray:
@@ -52,12 +52,12 @@ class PlacedObject:
 
     @property
     def points(self) -> FloatArray:
-        """Its surface in the base frame, (N, 3) [m]."""
+        """Points of its surface in the base frame, (N, 3) [m]."""
         return self._placed(self.model.points)
 
     @property
     def triangles(self) -> FloatArray:
-        """Its mesh in the base frame, (T, 3, 3) [m]."""
+        """Triangles of its mesh in the base frame, (T, 3, 3) [m]."""
         return self._placed(self.model.triangles)
 
     def _placed(self, points: FloatArray) -> FloatArray:

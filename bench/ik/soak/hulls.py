@@ -1,6 +1,6 @@
 """Distances to hulls by their definition, in double precision, every hull with every point.
 
-Beside hulls there are capsules, balls swept along segments; their ends and radii stand in the same
+Besides hulls there are capsules, balls swept along segments; their ends and radii stand in the same
 arrays as foci and A.
 """
 

@@ -53,13 +53,13 @@ class Asked:
 
     @classmethod
     def of(cls, options: Mapping[str, Any]) -> Self:
-        """From arguments of pdoik.Options."""
+        """Make it of arguments of pdoik.Options."""
         return cls(**{name: options[name] for name in cls.__slots__ if name in options})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdicts:
-    """Of B answers, each (B,)."""
+    """Verdicts on B answers, each (B,)."""
 
     position_error: FloatArray  # the largest over the goals, beyond slack [m]
     rotation_error: FloatArray  # [rad]
@@ -71,7 +71,7 @@ class Verdicts:
     limits_hold: BoolArray
 
     def excess(self, asked: Asked) -> dict[str, FloatArray]:
-        """By how much each requirement is missed beyond its tolerance, not positive if it holds."""
+        """Excess of each requirement beyond its tolerance, not positive if it holds."""
         return {
             "position": self.position_error - asked.position_tolerance,
             "rotation": self.rotation_error - asked.rotation_tolerance,
@@ -131,7 +131,7 @@ class Judge:
     def __call__(
         self, goals: Sequence[Goals], Q: FloatArray, asked: Asked, points: FloatArray | None = None
     ) -> Verdicts:
-        """Of answers (B, n) among points (N, 4), or each its own (B, N, 4): centres and radii."""
+        """Judge answers (B, n) among points (N, 4), or (B, N, 4) for each: centres and radii."""
         count = len(Q)
         finite = np.isfinite(Q).all(axis=1)
         Q = np.where(finite[:, None], Q, 0.0)  # of the others it is said that limits do not hold
@@ -163,7 +163,7 @@ class Judge:
     def clearance(
         self, a: FloatArray, b: FloatArray, points: FloatArray, asked: Asked
     ) -> FloatArray:
-        """Of the hulls that count, (B,) [m]."""
+        """Clearance of the hulls that count, (B,) [m]."""
         counted = np.full(len(self.A), True) if asked.base_collision else ~self.fixed
         radii = self.A[counted]
         return clearance(a[:, counted], b[:, counted], radii, points, self.swept[counted])

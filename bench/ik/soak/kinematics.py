@@ -31,7 +31,7 @@ class Joint(NamedTuple):
         return self.multiplier != 1.0 or self.offset != 0.0
 
     def at(self, Q: FloatArray) -> FloatArray:
-        """Its position in configurations (B, n)."""
+        """The joint's position in configurations (B, n)."""
         return self.multiplier * Q[:, self.index] + self.offset
 
 
@@ -143,7 +143,7 @@ class Kinematics:
         return whole
 
     def _from_base(self, placed: Placed, Q: FloatArray) -> Placed:
-        """From the model's root to the base frame, or to the world that the base stands in."""
+        """Moves links from the model's root to the base frame, or to the world it stands in."""
         joint, R, p = self.base
         turn = (placed.R[:, joint] @ R).swapaxes(-1, -2)
         p_base = placed.p[:, joint] + placed.R[:, joint] @ p
@@ -190,7 +190,7 @@ def _model_of_rows(rows: Sequence[dict[str, float]]) -> pin.Model:
 
 
 def _joints(spec: RobotSpec, xml: ElementTree.Element, names: list[str]) -> dict[str, Joint]:
-    """Of a description's joints those that move, mimic ones resolved to what they follow."""
+    """Joints of a description that move; mimic ones are resolved to what they follow."""
     elements = {
         joint.attrib["name"]: joint
         for joint in xml.iterfind("joint")

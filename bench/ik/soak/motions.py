@@ -89,7 +89,7 @@ def draw_motion(judge: Judge, speeds: str, rng: np.random.Generator, count: int)
 
 
 def step_bounds(tracker: Mapping[str, Any], velocity: FloatArray) -> FloatArray:
-    """Of each joint's step, (n,) [rad] or [m]."""
+    """Bounds of each joint's step, (n,) [rad] or [m]."""
     speed = tracker["speed_share"] * velocity
     if tracker.get("max_speed") is not None:
         speed = np.minimum(speed, tracker["max_speed"])

@@ -20,8 +20,8 @@ def report(solved: pd.DataFrame, tracked: pd.DataFrame, seed: int) -> str:
     """Markdown."""
     parts = [f"Seed {seed}."]
     if len(solved):
-        beside = solved.self_collision.map({True: "self-collision", False: ""})
-        both = beside + np.where((beside != "") & solved.balance, " and ", "")
+        own = solved.self_collision.map({True: "self-collision", False: ""})
+        both = own + np.where((own != "") & solved.balance, " and ", "")
         asked = both + solved.balance.map({True: "balance", False: ""})
         solved = solved.assign(ask=asked.where(asked != "", solved.goal))
         parts += [
@@ -117,7 +117,7 @@ def solve_table(table: pd.DataFrame, by: str, order: Sequence[str]) -> str:
 
 
 def worst_table(table: pd.DataFrame) -> str:
-    """Of what was claimed, by how much the worst is beyond its tolerance."""
+    """Table of the largest excess over tolerances among what was claimed."""
     columns = {
         f"{name}, beyond tolerance": lambda some, name=name: _figure(some[f"excess_{name}"].max())
         for name in EXCESS
@@ -126,7 +126,7 @@ def worst_table(table: pd.DataFrame) -> str:
 
 
 def deadline_lines(table: pd.DataFrame) -> str:
-    """Of the solves whose deadlines strike."""
+    """Lines of the solves whose deadlines strike."""
     some = table[table.struck]
     if not len(some):
         return "No deadline was short enough to strike."

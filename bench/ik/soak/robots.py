@@ -45,7 +45,7 @@ class RobotSpec:
 
     @classmethod
     def of_json(cls, values: dict[str, Any]) -> Self:
-        """From what `asdict` gave and JSON kept, which turns tuples into lists."""
+        """Make it of what `asdict` gave and JSON kept, which turns tuples into lists."""
         names = ("spheres", "spheroids", "capsules", "ignored_pairs")
         rows = {name: [_tuples(row) for row in values.get(name, [])] for name in names}
         rows["capsules"] = [(*row, 0.0)[:5] for row in rows["capsules"]]  # old ones: no overhang

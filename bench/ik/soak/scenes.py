@@ -118,7 +118,7 @@ def draw_scene(judge: Judge, rng: np.random.Generator, at_most: int) -> Scene:
 def draw_options(
     judge: Judge, rng: np.random.Generator, about: FloatArray | None = None
 ) -> dict[str, Any]:
-    """Of every kind; one in ten has a deadline that strikes.
+    """Options of every kind; one in ten has a deadline that strikes.
 
     If it has to be balanced it is `about` a configuration, (n,), or about any.
     """

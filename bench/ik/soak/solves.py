@@ -41,7 +41,7 @@ class Answers:
 
     @classmethod
     def of(cls, get: Callable[[str], Any], cpu: FloatArray) -> Self:
-        """By what gives each figure of all answers."""
+        """Make it by `get`, which gives each figure of all answers."""
         names = ("q", "success", "status", "time", "intake", "late_evaluations")
         said = {name: get(name) for name in FIELDS}
         return cls(said=said, cpu=cpu, **{name: get(name) for name in names})

@@ -130,7 +130,7 @@ def verdicts_of(
 def passing_depth(
     judge: Judge, asked: Asked, record: Record, clouds: list[FloatArray], ks: Sequence[int]
 ) -> dict[int, float]:
-    """By step: how much deeper hulls are on the straight way than at both its ends and allowed [m].
+    """Excess depth of hulls on the straight way, by step: over its ends and what is allowed [m].
 
     The way is that of the joints, each at its own steady speed. Of all steps `ks` as many are
     looked at as can be afforded, in this order.
@@ -153,7 +153,7 @@ def passing_depth(
 
 
 def deeper(verdicts: Verdicts, held: Verdicts, asked: Asked) -> FloatArray:
-    """By how much steps are deeper in anything than standing still, and than contact, (T,) [m]."""
+    """How much deeper steps are in anything than standing still, and than contact, (T,) [m]."""
     pairs = (
         (verdicts.clearance, held.clearance, asked.clearance),
         (verdicts.self_distance, held.self_distance, asked.self_clearance),
@@ -175,7 +175,7 @@ def too_hard(tracker: Mapping[str, Any], record: Record) -> BoolArray:
 
 
 def speed_class(speeds: FloatArray) -> str:
-    """Of the limits that hold, in the words of SPEEDS."""
+    """Class of the limits that hold, in the words of SPEEDS."""
     if np.isinf(speeds).any():
         return "none"
     return "huge" if speeds.max() > FAST else "tiny" if speeds.max() < SLOW else "usual"

@@ -101,7 +101,7 @@ def arm(out: Path) -> None:
 
 @app.command()
 def reach(out: Path) -> None:
-    """What a Panda reaches around the table, as the page computes it, cut open beside the arm."""
+    """What a Panda reaches around the table, as the page computes it, cut open next to the arm."""
     with served(*panda_at_a_table()) as viewer:
         viewer.solve_tab.hulls.value = False
         viewer.camera.go_to(np.array([0.31, 0.0, 0.42]), np.array([1.05, -2.3, 1.35]))  # [m]
@@ -131,7 +131,7 @@ def h1(out: Path) -> None:
 
 @app.command()
 def example(wide: Path, narrow: Path) -> None:
-    """The first example on a wide window and on a narrow one: the hand goes beside the box."""
+    """The first example on a wide window and on a narrow one: the hand goes next to the box."""
     for width, height, out in ((1440, 900, wide), (390, 844, narrow)):
         model, session = EXAMPLES[0].make()
         with (

@@ -53,7 +53,7 @@ def served(
 
 @contextmanager
 def opened(viewer: Any, width: int = 1440, height: int = 900) -> Iterator[Page]:
-    """Its page, with a first answer on it and nothing in front of it; sizes in pixels."""
+    """The viewer's page, with a first answer on it and nothing in front of it; sizes in pixels."""
     chromium = shutil.which("chromium")
     with (
         sync_playwright() as driver,

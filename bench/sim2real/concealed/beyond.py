@@ -26,7 +26,7 @@ SPEED = 0.95  # of the drives' speed
 
 @effect("known_load")
 class KnownLoad(Effect):
-    """A body fixed to the last link, after whatever else has changed it; everybody is told."""
+    """A body fixed to the last link, after whatever else has changed it; it is known to all."""
 
     body: Link = field(kw_only=True)
 

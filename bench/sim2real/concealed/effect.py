@@ -29,7 +29,7 @@ class Run(Protocol):
     qpos: Array
     qvel: Array
     qacc: Array
-    applied: Array  # torques beside the motors', (nv,) [N m]
+    applied: Array  # torques besides the motors', (nv,) [N m]
     motor: Any  # MuJoCo's indices of the motors
 
 
@@ -102,7 +102,7 @@ class Effect:
         return low, high
 
     def acts(self, ref: Reference) -> Array:
-        """Rows (T,) of the commanded motions in which it can be seen, beside its gate."""
+        """Rows (T,) of the commanded motions in which it can be seen, besides its gate."""
         return np.ones(len(ref.time), bool)
 
     def scaled(self, value: float) -> Effect:
@@ -125,7 +125,7 @@ class Effect:
         return None
 
     def drive(self, run: Run) -> Drive | None:
-        """From commanded to exerted torque."""
+        """The drive's law from commanded to exerted torque."""
         return None
 
     def change_channels(self, channels: dict[str, Array], run: Run) -> None:
@@ -222,7 +222,7 @@ class Scene:
     def somewhere(
         self, make: Callable[[int], Effect], places: Iterable[int] | None = None
     ) -> Effect:
-        """At the first place where the size is plausible, else where it is largest."""
+        """The effect at the first place where the size is plausible, else where it is largest."""
         best, most = None, -1.0
         for place in self.places if places is None else places:
             effect = self.sized(make(place))

@@ -46,7 +46,7 @@ class Body(Effect):
 
 @effect("payload", "mass", bounds=(0.02, 8.0), names=())
 class Payload(Body):
-    """A body nobody told the model of, on the last link."""
+    """A body that the model does not have, on the last link."""
 
     mass: float = 1.0
     com: Array = field(default_factory=lambda: np.zeros(3))

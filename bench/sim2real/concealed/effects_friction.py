@@ -114,11 +114,11 @@ class Viscous(Effect):
 
 @effect("stribeck_friction", "extra", names=("extra", "speed"))
 class Stribeck(Friction):
-    """More friction near standstill than in motion; comes with Coulomb friction beside it."""
+    """More friction near standstill than in motion; comes together with Coulomb friction."""
 
     extra: float = 1.0
     speed: float = 0.1
-    coulomb_ratio: float = 1.0  # the Coulomb level beside it over the extra
+    coulomb_ratio: float = 1.0  # the accompanying Coulomb level over the extra
 
     def beside(self) -> dict[str, dict[str, float]]:
         return {"coulomb_friction": {"level": self.coulomb_ratio * self.extra}}
@@ -268,7 +268,7 @@ def coulomb(scene: Scene) -> Effect:
 
 
 def stribeck(scene: Scene) -> Effect:
-    """Beside a Coulomb level about as large."""
+    """Stribeck friction together with a Coulomb level about as large."""
     speed, ratio = scene.uniform(0.05, 0.25), scene.uniform(0.6, 1.6)
     return scene.somewhere(lambda j: Stribeck(**scene.stick(j), speed=speed, coulomb_ratio=ratio))
 
@@ -282,7 +282,7 @@ def asymmetric(scene: Scene) -> Effect:
 
 
 def load_dependent(scene: Scene) -> Effect:
-    """At a joint that carries load."""
+    """Load-dependent friction at a joint that carries load."""
     rotors = scene.ref.armature
     return scene.somewhere(
         lambda j: LoadDependent(**scene.stick(j), armature=float(rotors[j])), scene.loaded()

@@ -14,7 +14,7 @@ from bench.sim2real.frame.arm import Array
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Late(Effect):
-    """Of all joints, or of some."""
+    """Lateness of all joints, or of some."""
 
     places: tuple[int, ...] = ()
 
@@ -31,7 +31,7 @@ class Delay(Late):
     kp: tuple[float, ...] = ()
 
     def residual(self, ref: Reference) -> Array:
-        """Of the control law, roughly."""
+        """What the control law's torque changes, roughly, (T, n) [N m]."""
         result = np.zeros_like(ref.q)
         for j in self.places:
             if self.of == "q_des":
@@ -78,7 +78,7 @@ class Lag(Late):
         return 0.001, max(0.001, min(self.slowest, 0.04))
 
     def residual(self, ref: Reference) -> Array:
-        """Of the control law, roughly."""
+        """What the control law's torque changes, roughly, (T, n) [N m]."""
         result = np.zeros_like(ref.q)
         for j in self.places:
             result[:, j] = self.time_constant * rate(ref, j)
@@ -130,7 +130,7 @@ def delay(scene: Scene) -> Effect:
 
 
 def lag(scene: Scene) -> Effect:
-    """Of all drives or one, as slow as the controller bears."""
+    """A lag of all drives or one, as slow as the controller bears."""
     slowest = float(f"{0.35 * float(np.min(scene.control.kd / scene.control.kp)):.4g}")
     together = tuple(range(scene.ref.arm.n)) if scene.rng.random() < 0.6 else ()
     return scene.somewhere(lambda j: Lag(places=together or (j,), slowest=slowest))

@@ -148,7 +148,7 @@ class Coupling(Effect):
 
 
 def backlash(scene: Scene) -> Effect:
-    """At a joint whose load changes sides, where there is one; its size is found by simulating."""
+    """Play at a joint whose load changes sides, if there is one; a simulation finds its size."""
     load = scene.load()
     sides = np.minimum(np.mean(load > 0.0, axis=0), np.mean(load < 0.0, axis=0))
     loaded = scene.loaded()

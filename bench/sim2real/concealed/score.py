@@ -21,7 +21,7 @@ AFFECTED = 1.5  # times its noise floor: a joint with more residual shows what i
 def scores(truth: Content, said: Content) -> Row:
     """How well a diagnosis, as its JSON has it, says what a truth has.
 
-    What comes beside the hidden effect (the Coulomb friction of a Stribeck curve) is no finding
+    What comes with the hidden effect (the Coulomb friction of a Stribeck curve) is no finding
     too many, and may be found before it.
     """
     found = said["findings"]
@@ -49,7 +49,7 @@ def scores(truth: Content, said: Content) -> Row:
 
 
 def rest_of(effects: Sequence[Content], found: Sequence[Content], last: str) -> list[Content]:
-    """Findings but for what stands beside the hidden effect, which is the first of a truth's."""
+    """Findings but for what comes with the hidden effect, which is the first of a truth's."""
     return [each for each in found if not any(same(each, other, last) for other in effects[1:])]
 
 
@@ -70,7 +70,7 @@ def same(finding: Content, entry: Content, last: str) -> bool:
 
 
 def placed(finding: Content, entry: Content) -> bool:
-    """Joints and links as hidden; a window, where one is told of one, mostly its own.
+    """Joints and links as hidden; a window, where one is given, mostly its own.
 
     A contact must have its own recording and window. Of what else acts in a window only, joint and
     link are enough.

@@ -17,7 +17,7 @@ def truth_of(
     seen: dict[str, list[float]],
     size: float,
 ) -> Truth:
-    """The answer; `size` is the hidden effect's beside the noise."""
+    """The answer; `size` is the hidden effect's, relative to the noise."""
     spec, sense, names = draft.spec, draft.sensors, joint_names(draft.arm)
     noise = {"tau": sense.tau_noise, "tau_step": sense.tau_step}
     noise |= {"q": sense.q_seen, "dq": sense.dq_noise}

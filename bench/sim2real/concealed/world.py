@@ -40,7 +40,7 @@ class Run:
     def __init__(
         self, world: World, motion: Motion, recording: int, rng: np.random.Generator
     ) -> None:
-        """At rest at the motion's first row."""
+        """Set the machine at rest at the motion's first row."""
         self.world, self.motion, self.recording, self.rng = world, motion, recording, rng
         self.model, self.data = world.model, mujoco.MjData(world.model)
         self.qpos, self.qvel, self.qacc = self.data.qpos, self.data.qvel, self.data.qacc

@@ -68,7 +68,7 @@ def claims(run: Path) -> list[Claim]:
 
 
 def _of_machines(said: Path) -> list[Claim]:
-    """Of a folder of what was said of machines, beside which the truths lie."""
+    """Claims of a folder of diagnoses of machines; the truths lie in the folder next to it."""
     found = []
     for path in sorted(said.glob("*.json")):
         truth = json.loads((said.parent / "sealed" / path.name).read_text())
@@ -119,7 +119,7 @@ def fitted(known: list[Claim]) -> dict[str, float]:
 
 
 def reliability(known: list[Claim]) -> list[tuple[str, int, float, float, tuple[float, float]]]:
-    """By stated confidence: findings, mean stated, share true and its 95 % interval."""
+    """Rows by stated confidence: findings, mean stated, share true and its 95 % interval."""
     stated = np.array([c.confidence for c in known])
     true = np.array([c.true for c in known])
     rows = []

@@ -1,4 +1,4 @@
-"""Is what `pdoik study check` foretells so? Effects as large as that, smaller and larger, sought.
+"""Is what `pdoik study check` predicts so? Effects as large as that, smaller and larger, sought.
 
     python -m bench.sim2real.diagnosis.visible --out build/bench/visible
 

@@ -22,7 +22,7 @@ class Motion:
 
     @classmethod
     def of(cls, q: Array) -> Motion:
-        """Of positions, by differences."""
+        """Make the motion of positions (T, n), by differences."""
         dq = np.gradient(q, STEP, axis=0)
         return cls(q=q, dq=dq, ddq=np.gradient(dq, STEP, axis=0))
 
@@ -96,7 +96,7 @@ def _sines(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Ar
 
 
 def _moves(rng: np.random.Generator, rows: int, speed: Array, half: Array) -> Array:
-    """From pose to pose with trapezoids of speed, all joints together or some alone, and rests."""
+    """Trapezoids of speed from pose to pose, all joints together or some, and rests, (T, n)."""
     path = np.zeros((rows, len(half)))
     row, here = 0, np.zeros(len(half))
     while row < rows:
@@ -126,7 +126,7 @@ def _landing(rows: int) -> Array:
 
 
 def _trapezoid(count: int) -> Array:
-    """From 0 to 1 with speed rising over a fifth, holding, falling over a fifth."""
+    """Path from 0 to 1 with speed rising over a fifth, holding, falling over a fifth, (count,)."""
     t = np.linspace(0.0, 1.0, count)
     speed = np.clip(np.minimum(t, 1.0 - t) / 0.2, 0.0, 1.0)
     path = np.cumsum(speed)
@@ -150,7 +150,7 @@ def _triangle(rows: int, pace: float, reach: float, phase: float) -> Array:
 
 
 def smoothstep(t: Array) -> Array:
-    """From 0 to 1, at rest and without acceleration at both ends; constant beyond."""
+    """Path from 0 to 1, at rest and without acceleration at both ends; constant beyond."""
     s = np.clip(t, 0.0, 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 

@@ -29,7 +29,7 @@ class Track:
     ddq: Array  # (T, n)
     tau: Array  # (T, n) measured, smoothed likewise [N m]
     model: Array  # (T, n) by the URDF that goes with the recording, rotors included [N m]
-    load: Array  # (T, n) of these what a load does that everybody is told of [N m]
+    load: Array  # (T, n) of these the torque of a load that is known to all [N m]
     urdf: Path  # that goes with the recording
 
     @property
@@ -118,7 +118,7 @@ def study_tracks(study: Study) -> tuple[list[Track], list[Track]]:
 
 
 def beyond_track(study: Study, folder: Path, name: str) -> Track:
-    """A recording at other conditions; the load's URDF is told where there is a load."""
+    """A recording at other conditions; the load's URDF is given where there is a load."""
     plain = Believed(study.robot, study.joints, study.rotor_inertia)
     recording = replace(read_motion(folder / f"{name}.csv", study.joints), name=name)
     if name != "load":

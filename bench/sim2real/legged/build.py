@@ -1,4 +1,4 @@
-"""From a spec to a study folder: draw the machine, hide something, let it move, write files."""
+"""Build a study folder from a spec: draw the machine, hide something, let it move, write files."""
 
 from dataclasses import asdict, dataclass
 from functools import cache

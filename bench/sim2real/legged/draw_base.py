@@ -24,8 +24,8 @@ def payload(scene: Scene) -> tuple[Machine, Hidden]:
     com = rng.uniform(low, high)
     load = Load(link=robot.trunk, mass=mass, com=(com[0], com[1], com[2]), size=0.12)
     figures = {"mass": mass, **by_axis("com", com)}
-    told = Hidden(effect="payload", links=(robot.trunk,), parameters=figures)
-    return replace(machine, loads=(*machine.loads, load)), told
+    hidden = Hidden(effect="payload", links=(robot.trunk,), parameters=figures)
+    return replace(machine, loads=(*machine.loads, load)), hidden
 
 
 _PLACES = {
@@ -63,8 +63,8 @@ def imu_offset(scene: Scene) -> tuple[Machine, Hidden]:
     acc = machine.acc_bias + _way(rng) * rng.uniform(0.2, 0.6)
     figures = by_axis("gyro", gyro)
     figures |= by_axis("acc", acc)
-    told = Hidden(effect="imu_offset", links=(machine.robot.base,), parameters=figures)
-    return replace(machine, gyro_bias=gyro, acc_bias=acc), told
+    hidden = Hidden(effect="imu_offset", links=(machine.robot.base,), parameters=figures)
+    return replace(machine, gyro_bias=gyro, acc_bias=acc), hidden
 
 
 def imu_tilt(scene: Scene) -> tuple[Machine, Hidden]:
@@ -72,17 +72,17 @@ def imu_tilt(scene: Scene) -> tuple[Machine, Hidden]:
     machine, rng = scene.machine, scene.rng
     tilt = machine.imu_tilt + _way(rng) * np.radians(rng.uniform(2.0, 5.0))
     figures = by_axis("tilt", tilt)
-    told = Hidden(effect="imu_tilt", links=(machine.robot.base,), parameters=figures)
-    return replace(machine, imu_tilt=tilt), told
+    hidden = Hidden(effect="imu_tilt", links=(machine.robot.base,), parameters=figures)
+    return replace(machine, imu_tilt=tilt), hidden
 
 
 def foot_friction(scene: Scene) -> tuple[Machine, Hidden]:
     """Feet that slip."""
-    feet, told = _feet(scene)
+    feet, names = _feet(scene)
     low, high = _SLIPPERY[scene.machine.robot.name]
     value = float(scene.rng.uniform(low, high))
     changed = scene.machine.at("friction", feet, value)
-    return changed, Hidden(effect="foot_friction", feet=told, parameters={"friction": value})
+    return changed, Hidden(effect="foot_friction", feet=names, parameters={"friction": value})
 
 
 _SLIPPERY = {"go2": (0.22, 0.35), "h1": (0.18, 0.28)}
@@ -91,10 +91,10 @@ _SLIPPERY = {"go2": (0.22, 0.35), "h1": (0.18, 0.28)}
 
 def foot_softness(scene: Scene) -> tuple[Machine, Hidden]:
     """Feet that give by millimetres."""
-    feet, told = _feet(scene)
+    feet, names = _feet(scene)
     value = float(scene.rng.uniform(0.04, 0.1) * scene.machine.robot.stiffness)
     changed = scene.machine.at("stiffness", feet, value)
-    return changed, Hidden(effect="foot_softness", feet=told, parameters={"stiffness": value})
+    return changed, Hidden(effect="foot_softness", feet=names, parameters={"stiffness": value})
 
 
 def _feet(scene: Scene) -> tuple[list[int], tuple[str, ...]]:
@@ -111,17 +111,17 @@ def ground_slope(scene: Scene) -> tuple[Machine, Hidden]:
     angle, way = np.radians(scene.rng.uniform(2.0, 5.0)), scene.rng.uniform(0.0, 2.0 * np.pi)
     slope = angle * np.array([np.cos(way), np.sin(way)])
     figures = {"tilt_x": float(slope[0]), "tilt_y": float(slope[1])}
-    told = Hidden(effect="ground_slope", feet=scene.machine.robot.feet, parameters=figures)
-    return replace(scene.machine, slope=slope), told
+    hidden = Hidden(effect="ground_slope", feet=scene.machine.robot.feet, parameters=figures)
+    return replace(scene.machine, slope=slope), hidden
 
 
 def ground_height(scene: Scene) -> tuple[Machine, Hidden]:
     """A floor that is higher or lower than the study says."""
     height = float(scene.sign() * scene.rng.uniform(0.01, 0.03))
-    told = Hidden(
+    hidden = Hidden(
         effect="ground_height", feet=scene.machine.robot.feet, parameters={"height": height}
     )
-    return replace(scene.machine, ground=height), told
+    return replace(scene.machine, ground=height), hidden
 
 
 def _way(rng: np.random.Generator) -> Array:

@@ -1,7 +1,7 @@
-"""What is hidden in a joint: figures of the machine that are others, and how they are told.
+"""What is hidden in a joint: changed figures of the machine, and how they are reported.
 
 Sizes go by what the motions ask of the joint (`Robot.load`, `Robot.speed`), so that they matter
-beside the sensors' noise and are none that one sees with the naked eye.
+compared with the sensors' noise and are none that one sees with the naked eye.
 """
 
 from collections.abc import Callable
@@ -27,32 +27,32 @@ class Scene:
         return float(self.rng.choice([-1.0, 1.0]))
 
     def share(self, low: float, high: float, j: int) -> float:
-        """Of a joint's load [N m]."""
+        """A random share of a joint's load [N m]."""
         return self.rng.uniform(low, high) * self.machine.robot.load[j]
 
 
 def at_a_joint(make: Callable[[Scene, int], tuple[Figures, Figures]]) -> Draw:
-    """At any joint; the effect has the function's name."""
+    """Draw an effect at any joint; the effect has the function's name."""
 
     def draw(scene: Scene) -> tuple[Machine, Hidden]:
         machine, robot = scene.machine, scene.machine.robot
         j = int(scene.rng.integers(robot.n))
-        figures, told = make(scene, j)
+        figures, said = make(scene, j)
         for name, value in figures.items():
             machine = machine.at(name, j, value)
-        return machine, Hidden(effect=make.__name__, joints=(robot.joints[j],), parameters=told)
+        return machine, Hidden(effect=make.__name__, joints=(robot.joints[j],), parameters=said)
 
     return draw
 
 
 def coulomb_friction(scene: Scene, j: int) -> tuple[Figures, Figures]:
-    """Dry friction, beside what there is."""
+    """Dry friction, in addition to what there is."""
     total = float(scene.machine.coulomb[j]) + float(scene.share(0.15, 0.4, j))
     return {"coulomb": total}, {"level": total}
 
 
 def viscous_friction(scene: Scene, j: int) -> tuple[Figures, Figures]:
-    """Friction in proportion to speed, beside what there is."""
+    """Friction in proportion to speed, in addition to what there is."""
     machine = scene.machine
     total = float(machine.viscous[j] + scene.share(0.2, 0.45, j) / machine.robot.speed[j])
     return {"viscous": total}, {"coefficient": total}
@@ -73,10 +73,10 @@ def torque_offset(scene: Scene, j: int) -> tuple[Figures, Figures]:
 
 
 def rotor_inertia(scene: Scene, j: int) -> tuple[Figures, Figures]:
-    """A rotor that is heavier than told."""
-    told = scene.machine.robot.rotor[j]
-    rotor = float(scene.machine.rotor[j] + scene.rng.uniform(0.8, 2.0) * told)
-    return {"rotor": rotor}, {"inertia": rotor - float(told)}
+    """A rotor that is heavier than given."""
+    given = scene.machine.robot.rotor[j]
+    rotor = float(scene.machine.rotor[j] + scene.rng.uniform(0.8, 2.0) * given)
+    return {"rotor": rotor}, {"inertia": rotor - float(given)}
 
 
 def joint_offset(scene: Scene, j: int) -> tuple[Figures, Figures]:
@@ -89,8 +89,8 @@ def position_dependent_spring(scene: Scene, j: int) -> tuple[Figures, Figures]:
     """A cable that pulls the joint to some angle."""
     stiffness = float(scene.share(0.3, 0.7, j) / 0.35)
     onset = float(scene.machine.robot.rest[j] + scene.rng.uniform(-0.25, 0.25))
-    told = {"stiffness": stiffness, "onset": onset, "side": 0.0}
-    return {"spring": stiffness, "spring_rest": onset}, told
+    parameters = {"stiffness": stiffness, "onset": onset, "side": 0.0}
+    return {"spring": stiffness, "spring_rest": onset}, parameters
 
 
 def torque_saturation(scene: Scene, j: int) -> tuple[Figures, Figures]:

@@ -13,8 +13,8 @@ START = 1.0  # it stands until then [s]
 CAPTURE = 0.12  # a foot lands this much further ahead for each m/s too fast [s]
 RETURN = (0.8, 1.0)  # speed back to the origin and ahead [1/s]
 LEVEL = 0.6  # of the trunk's tilt, by which legs on the low side are longer
-EARLY = 0.85  # share of the flight by which a foot is told to be down: legs lag behind
-LANDING = 0.1  # of the cycle, over which a foot that landed is told to stand
+EARLY = 0.85  # share of the flight by which a foot is commanded to be down: legs lag behind
+LANDING = 0.1  # of the cycle, over which a foot that landed is commanded to stand
 STEPPING = 0.15  # of the cycle, over which a foot's load comes and goes
 
 
@@ -107,7 +107,7 @@ class Trot:
                 self._lifted[k] = self._offset[k]
 
     def _share(self, phase: Array, swing: float) -> Array:
-        """Of the weight: none in the air, ramps after landing and before leaving."""
+        """Share of the weight on a foot: 0 in the air, ramps after landing and before leaving."""
         since, until = (phase - swing) / STEPPING, (1.0 - phase) / STEPPING
         return np.asarray(np.clip(np.minimum(since, until), 0.0, 1.0))
 

@@ -41,11 +41,11 @@ class Legs:
         return np.array(self.data.xpos[list(self.world.feet)])
 
     def com(self) -> Array:
-        """Of the whole robot, (3,) [m]."""
+        """Centre of mass of the whole robot, (3,) [m]."""
         return np.array(self.data.subtree_com[self.world.base])
 
     def turned(self, vector: Array) -> Array:
-        """From the base's frame, as it was last put, to the world's, (3,)."""
+        """Turns a vector of the base's frame, as it was last put, to the world's, (3,)."""
         return np.asarray(self.data.xmat[self.world.base].reshape(3, 3) @ vector)
 
     def towards(self, q: Array, targets: Array) -> Array:

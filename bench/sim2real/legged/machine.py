@@ -50,7 +50,7 @@ class Machine:
     gap: Array  # (n,) whole play [rad]
     friction: Array  # (feet,) on the ground
     stiffness: Array  # (feet,) on the ground [N/m]
-    imu_tilt: Array  # (3,) turns the told frame to the true one, rotation vector [rad]
+    imu_tilt: Array  # (3,) turns the given frame to the true one, rotation vector [rad]
     gyro_bias: Array  # (3,) [rad/s]
     acc_bias: Array  # (3,) [m/s^2]
     slope: Array  # (2,) of the ground about x and y [rad]
@@ -102,7 +102,7 @@ def as_given(robot: Robot) -> Machine:
 
 
 def dense(robot: Robot, links: list[str], rng: np.random.Generator) -> Machine:
-    """A machine as they are: it rubs everywhere, and nothing is quite what it was told to be.
+    """A machine as they are: it rubs everywhere, and nothing is quite what it was said to be.
 
     Args:
         robot: as its maker says.
@@ -113,13 +113,13 @@ def dense(robot: Robot, links: list[str], rng: np.random.Generator) -> Machine:
     def off(low: float, high: float, size: int) -> Array:
         return 1.0 + rng.choice([-1.0, 1.0], size) * rng.uniform(low, high, size)
 
-    n, told = robot.n, as_given(robot)
+    n, given = robot.n, as_given(robot)
     bodies = {
         link: Body(scale=float(scale), shift=_triple(rng.normal(0.0, 0.002, 3)))
         for link, scale in zip(links, off(0.03, 0.05, len(links)), strict=True)
     }
     return replace(
-        told,
+        given,
         coulomb=robot.effort * rng.uniform(0.008, 0.02, n),
         viscous=robot.effort * rng.uniform(0.002, 0.006, n),
         sensor_gain=off(0.01, 0.02, n),
@@ -128,7 +128,7 @@ def dense(robot: Robot, links: list[str], rng: np.random.Generator) -> Machine:
         imu_tilt=rng.normal(0.0, np.radians(0.3) / np.sqrt(3.0), 3),
         gyro_bias=rng.normal(0.0, 0.002, 3),
         acc_bias=rng.normal(0.0, 0.03, 3),
-        stiffness=told.stiffness * rng.uniform(0.8, 1.25, len(robot.feet)),
+        stiffness=given.stiffness * rng.uniform(0.8, 1.25, len(robot.feet)),
         bodies=bodies,
     )
 

@@ -1,4 +1,4 @@
-"""A quadruped that trots with a load nobody told of: its base before and after, and its feet.
+"""A quadruped that trots with an unmodelled load: its base before and after, and its feet.
 
 python -m bench.sim2real.legged.picture STUDY/study.yaml --out bench/sim2real/legged/legged.png
 """
@@ -29,7 +29,7 @@ def main(
 
 
 def picture(examination: sim2real.Examination) -> bytes:
-    """Vertical force on the base, and that on a foot beside its sensor."""
+    """Vertical force on the base, and that on a foot next to its sensor's."""
     balances, fit = examination.prepared.fit, examination.state.fit
     motion, key = balances.motions[0], ("base", 2)
     rows = fit.rows[key]

@@ -57,7 +57,7 @@ class Balance:
         self._speed = self._com.derivative()
 
     def torque(self, t: float, state: State) -> Array:
-        """Of the joints, (n,) [N m]."""
+        """Torques of the joints, (n,) [N m]."""
         self.legs.put(state.base, state.q)
         off = self._com(t) - self.legs.com()[:2]
         arm = self.legs.com() - state.base[:3]
@@ -196,7 +196,7 @@ def eased(time: Array, seconds: float, ramp: float = 1.5) -> Array:
 
 
 def visits(rng: np.random.Generator, time: Array, low: float, high: float, pace: float) -> Array:
-    """From value to value between low and high by quintics, with short rests, (T,)."""
+    """Quintics from value to value between low and high, with short rests, (T,)."""
     result = np.empty_like(time)
     begin, value = 0.0, float(rng.uniform(low, high))
     while begin < time[-1] + 1e-9:

@@ -52,7 +52,7 @@ class Robot:
 
     @property
     def sole(self) -> float:
-        """From a foot link's frame down to the ground [m]."""
+        """Distance from a foot link's frame down to the ground [m]."""
         return max(pad.radius - pad.center[2] for pad in self.pads)
 
     @property

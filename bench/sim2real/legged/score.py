@@ -1,4 +1,4 @@
-"""A world's truth beside what was said of it, and what a campaign came to."""
+"""A world's truth and what was said of it, and what a campaign came to."""
 
 import json
 import math
@@ -87,14 +87,14 @@ def is_sized(finding: Content, hidden: Content | None) -> bool:
 
 def figures_of(hidden: Content) -> dict[str, float]:
     """What is hidden in the words of findings: slopes, compliance, a change of friction."""
-    told = dict(hidden["parameters"])
+    figures = dict(hidden["parameters"])
     if hidden["effect"] == "ground_slope":  # turned about x and y
-        return {"slope_x": -math.tan(told["tilt_y"]), "slope_y": math.tan(told["tilt_x"])}
+        return {"slope_x": -math.tan(figures["tilt_y"]), "slope_y": math.tan(figures["tilt_x"])}
     if hidden["effect"] == "foot_softness":
-        return {"compliance": 1.0 / told["stiffness"]}
+        return {"compliance": 1.0 / figures["stiffness"]}
     if hidden["effect"] == "foot_friction":
-        return {"change": told["friction"] - FRICTION}
-    return told
+        return {"change": figures["friction"] - FRICTION}
+    return figures
 
 
 def in_background(finding: Content, truth: Content) -> bool:
@@ -131,7 +131,7 @@ SORT = ["robot", "background"]
 
 
 def all_tables(made: pd.DataFrame, not_made: Sequence[str] = ()) -> str:
-    """By sort of world, of healthy worlds, and by kind.
+    """Tables by sort of world, of healthy worlds, and by kind.
 
     Args:
         made: a row per world.
@@ -172,6 +172,6 @@ def _by_kind(hidden: pd.DataFrame) -> str:
 
 
 def _counts(group: pd.DataFrame) -> tuple[str, ...]:
-    """Of the columns of KEYS, and the rate of false findings."""
+    """Counts of the columns of KEYS, and the rate of false findings."""
     rate = f"{group['false'].mean():.2f}" if len(group) else "-"
     return (*(str(int(group[key].sum())) for key in KEYS.values()), rate)

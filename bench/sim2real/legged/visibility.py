@@ -1,4 +1,4 @@
-"""How much of the torques the described machine does not explain, beside the sensors' noise."""
+"""How much of the torques the described machine does not explain, against the sensors' noise."""
 
 from typing import Any
 

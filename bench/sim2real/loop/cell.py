@@ -25,7 +25,7 @@ class Shape:
     ball: bool
 
     def points(self, rng: np.random.Generator) -> Array:
-        """Its surface, sampled, (N, 3) [m]."""
+        """Points sampled on its surface, (N, 3) [m]."""
         patches = (Ball(radius=0.5 * self.edges[0]),) if self.ball else box(*self.edges)
         count = int(POINTS_PER_AREA * sum(patch.area for patch in patches))
         return np.asarray(self.center + sample_surface(patches, count, rng))
@@ -74,7 +74,7 @@ class Clearance:
         self._bodies = [shape.body() for shape in cell.shapes]
 
     def __call__(self, links: Mapping[str, Array]) -> float:
-        """Of the links at these poses (4, 4) in the base; negative where something is pierced."""
+        """Distance of links at these poses (4, 4) in the base; negative on penetration [m]."""
         request, least = coal.DistanceRequest(), np.inf
         for link, geometry, T_link_hull in self._hulls:
             T = links[link] @ T_link_hull

@@ -26,7 +26,7 @@ WITH_TIP = (
 """Effects beyond the encoders: their recordings hold the tip's measured pose."""
 
 MODEL_ERROR = {"friction_and_inertias": 0.05}
-"""By how much every inertial figure of the given model is wrong besides, relative."""
+"""Relative error of every inertial figure of the given model, in addition."""
 
 
 def torques(draft: Draft, joints: tuple[int, ...], rng: np.random.Generator) -> list[float]:
@@ -44,7 +44,7 @@ def _each(
     rng: np.random.Generator,
     make: Callable[[int, float], Effect],
 ) -> tuple[Effect, ...]:
-    """At each joint, by such a torque."""
+    """An effect at each joint, sized by such a torque."""
     levels = torques(draft, joints, rng)
     return tuple(make(j, level) for j, level in zip(joints, levels, strict=True))
 
@@ -64,7 +64,7 @@ def viscous(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
 
 
 def stribeck(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
-    """In two joints, with Coulomb friction beside it."""
+    """Stribeck friction in two joints, together with Coulomb friction."""
     figures = {"coulomb_ratio": 1.0, "speed": 0.15}
     return _each(
         draft, (0, 3), rng, lambda j, tau: Stribeck(**_stick(draft, j), extra=0.6 * tau, **figures)
@@ -85,7 +85,7 @@ def delay(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
 
 
 def lag(draft: Draft, rng: np.random.Generator) -> tuple[Effect, ...]:
-    """Of all drives, as slow as the controller bears."""
+    """A lag of all drives, as slow as the controller bears."""
     slowest = 0.35 * float(np.min(draft.control.kd / draft.control.kp))
     return (Lag(time_constant=float(f"{slowest:.3g}"), places=tuple(range(draft.arm.n))),)
 

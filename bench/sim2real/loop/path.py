@@ -40,11 +40,11 @@ class Leg:
         return np.linspace(0.0, 1.0, max(6, int(np.ceil(max(way / KNOT, turn / TURN)))))
 
     def positions(self, s: Array) -> Array:
-        """Of the tip at shares of the way, (K, 3) [m]."""
+        """Positions of the tip at shares of the way, (K, 3) [m]."""
         return np.asarray(self.start[:3, 3] + s[:, None] * (self.end - self.start)[:3, 3])
 
     def poses(self, s: Array) -> Array:
-        """Of the tip, (K, 4, 4)."""
+        """Poses of the tip at shares of the way, (K, 4, 4)."""
         ends = Rotation.from_matrix([self.start[:3, :3], self.end[:3, :3]])
         T = np.tile(np.eye(4), (len(s), 1, 1))
         T[:, :3, :3] = Slerp([0.0, 1.0], ends)(s).as_matrix()
@@ -66,7 +66,7 @@ class Path:
         return np.concatenate([*parts, parts[-1][-1:]])
 
     def _shares(self) -> list[Array]:
-        """Of each leg's way at its rows; a leg ends where the next begins."""
+        """Shares of each leg's way at its rows; a leg ends where the next begins."""
         shares = []
         for k, duration in enumerate(self.durations):
             before = REST if k == 0 else PAUSE
@@ -130,7 +130,7 @@ def random_path(robot: pdoik.Robot, cell: Cell, count: int, rng: np.random.Gener
 
 
 def random_pose(rng: np.random.Generator) -> Array:
-    """Of a tip that points down, more or less, within a Panda's reach."""
+    """Pose of a tip that points down, more or less, within a Panda's reach, (4, 4)."""
     T = np.eye(4)
     down = Rotation.from_euler("x", np.pi)
     tilt = Rotation.from_euler("zyx", rng.uniform([-0.7, -0.5, -0.5], [0.7, 0.5, 0.5]))

@@ -88,7 +88,7 @@ def reach_table(rows: pd.DataFrame) -> str:
 
 
 def details(rows: pd.DataFrame) -> str:
-    """Of each world what was hidden, what was said, and what came of it."""
+    """Lists for each world what was hidden, what was said, and what came of it."""
     lines = []
     first = rows.groupby(["effect", "seed"], sort=False).first()
     for world in per_world(rows).itertuples():

@@ -143,7 +143,7 @@ def corrected_robot(model: Model) -> pdoik.Robot:
 
 
 def diagnosed(folder: Folder) -> tuple[Diagnosis, Model]:
-    """By the tool alone, from the folder alone."""
+    """Diagnosis and model by the tool alone, from the folder alone."""
     examination = sim2real.examine(folder / "study.yaml")
     return examination.diagnosis, sim2real.model_of(examination)
 

@@ -3,7 +3,7 @@
     python -m bench.sim2real.machines --out build/bench/machines-dev --seed 0 --count 30
     python -m bench.sim2real.machines.ablations --worlds build/bench/machines-dev --joints 3
 
-With --before, the search of another checkout beside it; and other methods. Each diagnosis is a
+With --before, the search of another checkout as well; and other methods. Each diagnosis is a
 process of its own. What was said is kept in WORLDS/ablations/TOOL/VARIANT; a run goes on where it
 was stopped.
 """
@@ -35,7 +35,7 @@ from bench.sim2real.machines.worlds import Worlds
 from pdoik import PdoikError
 
 DEVELOPMENT = 100_000  # worlds of larger seeds are for proofs
-LONGEST = 3600.0  # of one diagnosis, beside other work [s]
+LONGEST = 3600.0  # of one diagnosis, while other work runs [s]
 SHOWN = (
     *("fault named or listed, at its place", "the same, a relative counted"),
     *("precision of what is stated at 0.9", "precision of all findings"),
@@ -69,7 +69,7 @@ def main(
 
 
 def _truths(worlds: Path, joints: int) -> dict[str, dict[str, Any]]:
-    """Of the worlds of so many joints.
+    """Truths of the worlds of so many joints.
 
     Raises:
         CampaignError: there is none, or worlds that are a proof's.

@@ -1,4 +1,4 @@
-"""From a spec to a study folder: a machine, its days, its fault, files; and the truth elsewhere."""
+"""Build a study folder from a spec: a machine, its days, its fault; the truth lies elsewhere."""
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -129,7 +129,7 @@ def draft_of(spec: WorldSpec, attempt: int = 0, severity: float = 1.0) -> Draft:
 
 
 def commissioned(made: Machine, spec: WorldSpec) -> Machine:
-    """Gains turned down until the machine no longer hums, as anybody would who stands beside it."""
+    """Gains turned down until the machine no longer hums, as anybody would who stands by it."""
     rng = spec.stream("commissioning")
     moved = motion(made.arm, rng, "excitation", 6.0, 0.6)
     day = {"friction": np.ones(made.arm.n), "warmer": np.zeros(made.arm.n)}
@@ -266,8 +266,8 @@ def background(draft: Draft, tracks: list[Track]) -> list[dict[str, Any]]:
         own["torque_gain"] = float((1.0 + made.sensors.current_gain[j]) / own["gain"])
         own["torque_offset"] = float(made.sensors.current_offset[j])
         own["rated"] = float(made.rated[j])
-        told = made.given_rotor
-        own["rotor_given"] = 0.0 if told is None else float(told[j])
+        rotor = made.given_rotor
+        own["rotor_given"] = 0.0 if rotor is None else float(rotor[j])
         real, said = made.arm.links[j], made.believed.links[j]
         own["mass"], own["mass_told"] = float(real.mass), float(said.mass)
         result.append(own)

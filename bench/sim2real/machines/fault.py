@@ -70,7 +70,7 @@ class Scene:
         return float(f"{min(self.severity * self.rng.uniform(low, high), most):.3g}")
 
     def reach(self) -> float:
-        """From the base to the tool, roughly [m]."""
+        """Distance from the base to the tool, roughly [m]."""
         ways = [np.linalg.norm(j.T_parent_joint[:3, 3]) for j in self.machine.arm.joints]
         return 0.2 + float(np.sum(ways))
 

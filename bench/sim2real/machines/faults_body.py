@@ -26,7 +26,7 @@ def _loaded(
 
 
 def payload(scene: Scene) -> Fault:
-    """A gripper or a part that nobody told of."""
+    """A gripper or a part that the model does not have."""
     place = scene.machine.arm.T_last_tip[:3, 3] + scene.rng.normal(0.0, 0.03, 3)
     width, last = scene.uniform(0.04, 0.1), scene.n - 1
     share = scene.size(0.06, 0.18, 0.3)

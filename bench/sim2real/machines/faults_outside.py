@@ -104,7 +104,7 @@ def sag(scene: Scene) -> Fault:
 
 
 def crosstalk(scene: Scene) -> Fault:
-    """A current sensor beside another motor's cable."""
+    """A current sensor next to another motor's cable."""
     j = scene.joint()
     other = int(scene.rng.choice([k for k in range(scene.n) if k != j]))
     ratio = float(scene.machine.rated[j] / np.std(scene.tau[:, other]) * scene.size(0.1, 0.2, 0.6))

@@ -142,9 +142,9 @@ def named_stepwise(study: Path) -> list[dict[str, Any]]:
     price = float(np.log(balances.count))
     while len(fit.terms) < MOST:
         taken = {t.key for t in fit.terms}
-        beside = OneMore(fit)
+        one_more = OneMore(fit)
         worth = [
-            (beside.gain(t) - price * (t.width + len(t.shape)), t)
+            (one_more.gain(t) - price * (t.width + len(t.shape)), t)
             for t in pool
             if t.key not in taken
         ]

@@ -2,9 +2,9 @@
 
     python -m bench.sim2real.machines.replayed --worlds build/bench/machines [--tool DIGEST]
 
-Each machine's own controller, which the diagnosis was never told, drives its model as it was told
+Each machine's own controller, which the diagnosis was never given, drives its model as given
 and with the findings, so that what differs is what the models say of the arm. Errors are of
-positions, against the machine's; beside them those of the machine itself on a day of mean friction.
+positions, against the machine's; then those of the machine itself on a day of mean friction.
 """
 
 import json

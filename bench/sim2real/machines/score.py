@@ -1,4 +1,4 @@
-"""A world's truth beside what was said of it: its fault, its background, and what is neither."""
+"""A world's truth and what was said of it: its fault, its background, and what is neither."""
 
 import json
 from collections.abc import Callable

@@ -25,7 +25,7 @@ _estimated = Model._settle
 
 
 def noise_of_ordinary_alone(model: Model, noise: Mapping[Any, float], rounds: int) -> None:
-    """In the place of Model's: noise that ordinary physics leaves, never less beside causes."""
+    """In the place of Model's: noise that ordinary physics leaves, never less with causes added."""
     ordinary = [each for each in model.hypotheses if each.ordinary]
     if len(ordinary) == len(model.hypotheses):
         _estimated(model, noise, rounds)

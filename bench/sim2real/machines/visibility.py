@@ -1,4 +1,4 @@
-"""How clear a fault is in the log: what it moves, beside what an ordinary machine leaves."""
+"""How clear a fault is in the log: what it moves, compared with what an ordinary machine leaves."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -92,7 +92,7 @@ def _table(model: Any, logs: list[Log]) -> dict[str, Array]:
 
 
 def _left(table: dict[str, Array], j: int) -> float:
-    """Residual of one joint's torque, rms, beside all that an ordinary machine has [N m]."""
+    """Residual of one joint's torque, rms, after fitting all that an ordinary machine has [N m]."""
     v = table["dq"][:, j]
     own = [np.tanh(v / 0.02), np.tanh(v / 0.1), v, np.sign(v) * np.sqrt(np.abs(v))]
     A = np.column_stack([*own, np.ones_like(v), table["ddq"][:, j], table["Y"][:, j]])

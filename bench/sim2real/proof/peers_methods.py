@@ -28,7 +28,7 @@ Predictor = Callable[[Track], Array]
 
 
 def error_of(predict: Predictor, tracks: list[Track], scale: Array) -> float:
-    """Mean square of what is left on tracks, joints weighed alike."""
+    """Mean square of what is left on tracks, joints with equal weights."""
     left = [
         ((smooth(predict(track), track.period) - track.tau) / scale)[track.inner]
         for track in tracks
@@ -208,8 +208,8 @@ class Ours:
 
     def __call__(self, track: Track) -> Array:
         """Torques (T, n) along a recording."""
-        told = replace(self.model, robot=track.urdf.read_text(encoding="utf-8"))
-        return predict(told, track.recording)
+        given = replace(self.model, robot=track.urdf.read_text(encoding="utf-8"))
+        return predict(given, track.recording)
 
 
 def ours(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:

@@ -18,7 +18,7 @@ from bench.sim2real.proof.peers_study import METHODS, Case, WorldSpec, affected,
 
 TITLES = {"validate": "held out", "faster": "faster", "poses": "other poses", "load": "other load"}
 LEVEL = 1.05  # times the lowest error is level with it
-BLUR = 0.1  # of the noise: errors nearer than this cannot be told apart in use
+BLUR = 0.1  # of the noise: errors nearer than this cannot be distinguished in use
 
 
 def levels(rows: pd.DataFrame, blur: float) -> pd.Series:

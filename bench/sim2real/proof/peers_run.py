@@ -73,7 +73,7 @@ def main(
 
 
 def specs(first: int, studies: int, quick: bool) -> Iterator[WorldSpec]:
-    """Of each effect in plain view; robots take turns; a seed belongs to one study for good."""
+    """Specs of each effect in plain view; robots take turns; a seed belongs to one study only."""
     for k in range(studies):
         for index, effect in enumerate(EFFECTS):
             if quick and effect not in QUICK:

@@ -148,7 +148,7 @@ def run_study(job: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def scores(errors: Array, before: Array, joints: Array) -> dict[str, Any]:
-    """Of one method in one column; `before` are the errors of the model as given."""
+    """Scores of one method in one column; `before` are the errors of the model as given."""
     return {
         "ratio": float(np.nanmedian((errors / before)[joints])),
         "floors": float(np.nanmedian(errors[joints])),

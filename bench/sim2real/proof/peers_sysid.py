@@ -83,7 +83,7 @@ def sysid(study: Study, fit: list[Track], choose: list[Track]) -> Predictor:
 
         return found, predict
 
-    set_gains(params, names, frozen=True)  # beside free masses a gain is hard to tell
+    set_gains(params, names, frozen=True)  # with free masses a gain is hard to identify
     plain, predict = fitted(params)
     set_gains(plain, names, frozen=False)
     _, scaled = fitted(plain)
@@ -104,7 +104,7 @@ def optimized(toolbox: Any, params: Any, residual: Any) -> Any:
 def set_gains(
     params: Any, names: list[str], of: tuple[str, ...] = ("gain",), *, frozen: bool
 ) -> None:
-    """Of the sensors, and of the drives where they are meant: fixed, or free."""
+    """Fix or free the parameters of the sensors, and those of the drives where they are meant."""
     for name in names:
         for what in of:
             params[f"{name}_{what}"].frozen = frozen

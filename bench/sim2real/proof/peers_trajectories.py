@@ -136,7 +136,7 @@ def trajectory_sysid(study: Study) -> Identified:
     def fitted(params: Any) -> Identified:
         return Identified(study, optimized(toolbox, params, residual), toolbox)
 
-    of = ("gain", "drive")  # hard to tell beside free masses
+    of = ("gain", "drive")  # hard to identify with free masses
     set_gains(params, names, of, frozen=True)
     plain = fitted(params)
     freed = plain.params.copy()
@@ -254,6 +254,6 @@ def moments(model: Any, name: str) -> Array:
 
 
 def add_load(spec: Any, last: str, load: Array) -> None:
-    """A body without joints, as heavy as told."""
+    """A body without joints, as heavy as given."""
     body = spec.body(last).add_body(name="known_load")
     set_body(body, float(load[0]), load[1:4], load[4:].reshape(3, 3))

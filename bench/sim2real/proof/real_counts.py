@@ -48,7 +48,7 @@ class Told:
     words: str
     agrees: bool
     needed: Count = Count()  # causes named, of those that are there
-    figures: Count = Count()  # in range, of those told
+    figures: Count = Count()  # in range, of those given
     residuals: Count = Count()  # held out, in range
     wrong: frozenset[int] = frozenset()  # findings that cannot be right, by their place
 
@@ -75,15 +75,15 @@ class Tally:
         )
 
 
-def tally(told: Iterable[Told], diagnosis: Content) -> Tally:
-    """Of one diagnosis. A finding that two facts call wrong is wrong once."""
-    told = list(told)
+def tally(outcomes: Iterable[Told], diagnosis: Content) -> Tally:
+    """Counts of one diagnosis. A finding that two facts call wrong is wrong once."""
+    outcomes = list(outcomes)
     return Tally(
-        needed=sum((each.needed for each in told), Count()),
-        wrong=len(frozenset().union(*(each.wrong for each in told))),
-        figures=sum((each.figures for each in told), Count()),
-        residuals=sum((each.residuals for each in told), Count()),
-        agree=Count(sum(each.agrees for each in told), len(told)),
+        needed=sum((each.needed for each in outcomes), Count()),
+        wrong=len(frozenset().union(*(each.wrong for each in outcomes))),
+        figures=sum((each.figures for each in outcomes), Count()),
+        residuals=sum((each.residuals for each in outcomes), Count()),
+        agree=Count(sum(each.agrees for each in outcomes), len(outcomes)),
         contradicted=len(contradicted(diagnosis)),
         worse=len(worse(diagnosis)),
         crashed=int(crashed(diagnosis)),
@@ -151,7 +151,7 @@ def crashed(diagnosis: Content) -> bool:
 
 
 def named(finding: Finding) -> str:
-    """Its name and its place."""
+    """The finding's name and place."""
     of = ""
     if finding["effect"] == "unknown":
         of = f" of {VARIABLES[int(finding['parameters']['variable']['value'])]}"

@@ -40,7 +40,7 @@ def friction_at(diagnosis: Content, joints: Sequence[str]) -> Told:
 
 
 def friction_within(diagnosis: Content, least: float, most: float) -> Told:
-    """Levels of dry friction, where they are told, within bounds [N m]."""
+    """Levels of dry friction, where they are reported, within bounds [N m]."""
     levels = [
         f["parameters"]["level"]["value"]
         for _, f in _findings(diagnosis, FRICTION)
@@ -66,12 +66,12 @@ def no_load_beyond(diagnosis: Content, most: float) -> Told:
 
 
 def delay_between(diagnosis: Content, joints: Sequence[str], least: float, most: float) -> Told:
-    """Delay and lag of commands together, within bounds at every joint where it is told [s]."""
+    """Delay and lag of commands together, within bounds at every joint where it is reported [s]."""
     late: dict[str, float] = {}
     for _, f in _findings(diagnosis, DELAYS):
         for joint in f["joints"]:
-            told = sum(each["value"] for each in f["parameters"].values())
-            late[joint] = late.get(joint, 0.0) + told
+            lateness = sum(each["value"] for each in f["parameters"].values())
+            late[joint] = late.get(joint, 0.0) + lateness
     needed = Count(sum(joint in late for joint in joints), len(joints))
     if not late:
         return Told(words="no delay", agrees=False, needed=needed)
@@ -121,9 +121,11 @@ def figures_at(
     for joint, span in known.items():
         here = [f for f in diagnosis["findings"] if joint in f["joints"] and _names(f, effects)]
         causes += bool(here)
-        told = [f["parameters"][parameter] for f in here if parameter in f["parameters"]]
-        figures += Count(sum(_within(each, span, share) for each in told[:1]), len(told[:1]))
-        words += [f"{joint} {told[0]['value']:.2g}" if told else f"{joint} {_of(here)}"]
+        estimates = [f["parameters"][parameter] for f in here if parameter in f["parameters"]]
+        figures += Count(
+            sum(_within(each, span, share) for each in estimates[:1]), len(estimates[:1])
+        )
+        words += [f"{joint} {estimates[0]['value']:.2g}" if estimates else f"{joint} {_of(here)}"]
     right = figures.hits == figures.of and (optional or figures.of == len(known))
     needed = Count() if optional else Count(causes, len(known))
     return Told(words=", ".join(words), agrees=right, needed=needed, figures=figures)
@@ -148,7 +150,7 @@ def depends_on_position(diagnosis: Content, joint: str) -> Told:
 
 
 def either_friction(diagnosis: Content, joint: str) -> Told:
-    """That Coulomb's and viscous friction of a joint cannot be told apart: listed, or in a note."""
+    """Whether Coulomb's and viscous friction are said to be indistinguishable: listed or noted."""
     both = {"coulomb_friction", "viscous_friction"}
     here = [f for f in diagnosis["findings"] if joint in f["joints"]]
     listed = any({f["effect"]} | {e["effect"] for e in f["equivalents"]} >= both for f in here)
@@ -168,12 +170,12 @@ def left_at_most(diagnosis: Content, most: Mapping[str, float]) -> Told:
 
 def or_refused(diagnosis: Content, fact: Fact, why: Collection[str]) -> Told:
     """A fact, or that nothing is said, for a reason that has one of these words."""
-    told = fact(diagnosis)
+    outcome = fact(diagnosis)
     refused = diagnosis["verdict"] == "cannot_tell" or is_refusal(diagnosis)
     text = " ".join([diagnosis["verdict"], *diagnosis["notes"]]).lower()
     if refused and not diagnosis["findings"] and any(each in text for each in why):
-        return replace(told, words="refused, for it", agrees=True, needed=_full(told.needed))
-    return told
+        return replace(outcome, words="refused, for it", agrees=True, needed=_full(outcome.needed))
+    return outcome
 
 
 def of_position(finding: Finding) -> bool:

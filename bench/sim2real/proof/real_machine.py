@@ -28,10 +28,10 @@ class Machine:
 
     def told(self, diagnosis: Content) -> dict[str, Told]:
         """What a diagnosis says of what is known; a crash agrees with nothing."""
-        told = {fact: says(diagnosis) for fact, says in self.known.items()}
+        outcomes = {fact: says(diagnosis) for fact, says in self.known.items()}
         if crashed(diagnosis):
-            return {k: replace(v, words="no answer", agrees=False) for k, v in told.items()}
-        return told
+            return {k: replace(v, words="no answer", agrees=False) for k, v in outcomes.items()}
+        return outcomes
 
 
 def write_study(machine: Machine, recordings: Path, folder: Path) -> None:

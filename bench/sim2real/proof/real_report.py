@@ -73,12 +73,12 @@ def machines_table(machines: Sequence[Machine], said: Saids, tools: Sequence[str
 
 
 def known_table(machines: Sequence[Machine], said: Saids, tools: Sequence[str]) -> str:
-    """What is known of machines beside what was said of it."""
+    """Table of what is known of machines and what was said of it."""
     rows = []
     for machine in machines:
-        told = [machine.told(as_diagnosis(said[machine.name][tool])) for tool in tools]
+        outcomes = [machine.told(as_diagnosis(said[machine.name][tool])) for tool in tools]
         for fact in machine.known:
-            cells = [cell for t in told for cell in (t[fact].words, _yes(t[fact].agrees))]
+            cells = [cell for t in outcomes for cell in (t[fact].words, _yes(t[fact].agrees))]
             rows.append([machine.name, fact, *cells])
     heads = [cell for tool in tools for cell in (_headed(tool), "agrees")]
     return markdown_table(["machine", "known to be true", *heads], rows)
@@ -167,7 +167,7 @@ def joints_table(joints: dict[str, dict[str, Any]]) -> str:
 
 
 def proved(diagnosis: dict[str, Any]) -> str:
-    """What held-out rows bear out, and no more."""
+    """Says what held-out rows confirm, and no more."""
     judged = {n: e for n, e in diagnosis["joints"].items() if e["excited"] and e["before"] > 0.0}
     better = [name for name, each in judged.items() if each["after"] < 0.9 * each["before"]]
     if not better:

@@ -1,12 +1,12 @@
-"""One study's scores: its truth beside what was said of it.
+"""One study's scores: its truth and what was said of it.
 
 What the right answer to a decoy is, and to a study whose motion cannot show what is hidden.
 
 - *outside*: physics that the catalogue lacks. Right where the mismatch is seen and no name is
   claimed to explain it all: the verdict is `mismatch_unexplained` without any name, or it is
   `mismatch_unexplained` or `mismatch_partly_explained` and one of the findings is `unknown` at the
-  hidden joint (at any joint where no joint but a link carries it). Names claimed beside `unknown`
-  do not make it wrong; they are counted (`beside_unknown`).
+  hidden joint (at any joint where no joint but a link carries it). Names claimed together with
+  `unknown` do not make it wrong; they are counted (`beside_unknown`).
 - *lying*: a channel that is not what its name says. Right where a finding says that a sensor or
   torque of that joint reads wrong, and of that channel; where a note names that channel of that
   joint (`tau.joint3`); where the study is refused with a question about that channel; or, where the
@@ -74,7 +74,7 @@ def score(name: str, truth: Content, said: Content, true: Mapping[str, float]) -
 
 
 def first_said(truth: Content, diagnosis: Content) -> str:
-    """The first finding's name beside what belongs to the hidden effect; or what stood for one."""
+    """The first finding's name besides what belongs to the hidden effect; or what stood for one."""
     if diagnosis["verdict"].startswith("error"):
         return "error"
     rest = rest_of(truth["effects"], diagnosis["findings"], last_link(truth["joints"]))
@@ -111,18 +111,18 @@ def answer(group: str, row: Row, truth: Content, diagnosis: Content) -> str:
 
 
 def window(truth: Content, diagnosis: Content) -> Row:
-    """Whether the hidden effect acts in a window only, and whether that was told."""
+    """Whether the hidden effect acts in a window only, and whether that was reported."""
     hidden = truth["effects"][0] if truth["effects"] else {}
     kinds = [kind for kind in ("window", "position_window") if hidden.get(kind)]
     if not kinds:
         return {"window_hidden": False, "window_told": False}
     last = last_link(truth["joints"])
-    told = False
+    found = False
     for finding in diagnosis["findings"]:
         if name_of(finding, last) == name_of(hidden, last):
             given = finding.get("window" if kinds[0] == "window" else "positions")
-            told = told or overlap(given, hidden[kinds[0]]) > 0.5
-    return {"window_hidden": True, "window_told": told}
+            found = found or overlap(given, hidden[kinds[0]]) > 0.5
+    return {"window_hidden": True, "window_told": found}
 
 
 def against_true(truth: Content, diagnosis: Content, true: Mapping[str, float]) -> Row:

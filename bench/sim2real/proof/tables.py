@@ -121,10 +121,10 @@ def decoy_table(studies: pd.DataFrame) -> str:
         some = studies[studies.group == group]
         kinds = list(some.groupby("effect", sort=True))
         for kind, each in [*kinds, (f"all {group}", some)] if len(kinds) > 1 else kinds:
-            beside = int((each.beside_unknown > 0).sum()) if group == "outside" else ""
+            further = int((each.beside_unknown > 0).sum()) if group == "outside" else ""
             said = each.verdict.str.partition(":")[0].value_counts()
             words = ", ".join(f"{count} {verdict}" for verdict, count in said.items())
-            rows.append([kind, len(each), int(each.right.sum()), share(each.right), beside, words])
+            rows.append([kind, len(each), int(each.right.sum()), share(each.right), further, words])
     header = ["decoy", "studies", "right", "share [95 %]", "names claimed beside unknown"]
     return markdown_table([*header, "verdicts"], rows)
 

@@ -3,7 +3,7 @@
     python -m bench.sim2real.propose --out build/bench/propose
 
 Machines of ../concealed, moved so that a diagnosis ends in equivalents or in a confidence below
-0.9, are given one motion of 20 s by `pdoik propose`, and beside it a random one within the same
+0.9, are given one motion of 20 s by `pdoik propose`, and besides it a random one within the same
 limits. Each is run on the machine, its log added, and all diagnosed again. A study whose diagnosis
 leaves nothing open is passed over. Results are kept as they come, and the same command goes on
 where it was stopped. One process; needs the extras bench and sim2real.
@@ -165,10 +165,10 @@ def _diagnosed(study: Path, report: Path) -> Diagnosis:
 def settled(
     diagnosis: Diagnosis, world: PoorWorld, *, strict: bool, but: frozenset[str] = frozenset()
 ) -> bool:
-    """Whether the true cause is named at its place with confidence, and nothing listed beside.
+    """Whether the true cause is named at its place with confidence, and no alternative is listed.
 
     A payload in the hand and an error of the hand's link count as one, for they are one body.
-    Leniently other names may still be listed beside it; or those of `but`, in words, may.
+    Leniently other names may still be listed as alternatives; or those of `but`, in words, may.
     """
     hidden = world.hidden
     last = last_link(joint_names(world.draft.arm))
@@ -208,7 +208,7 @@ def _same(entry: dict[str, Any], hidden: dict[str, Any], last: str) -> bool:
 
 
 def said(diagnosis: Diagnosis) -> str:
-    """Findings with what is listed beside them, as JSON."""
+    """Findings with the alternatives listed for them, as JSON."""
     return json.dumps(
         [
             [

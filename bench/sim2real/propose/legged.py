@@ -98,19 +98,19 @@ class Wrong:
 
     @classmethod
     def drawn(cls, seed: int) -> "Wrong":
-        """Of a seed: kinds and joints differ, sizes are a share of those of ../legged."""
+        """Draws a seed's errors: kinds and joints vary, sizes are shares of those of ../legged."""
         spec = Spec(seed=seed)
-        rng, told = spec.stream("wrong"), as_given(robot(spec.robot))
-        machine, hidden = told, []
+        rng, given = spec.stream("wrong"), as_given(robot(spec.robot))
+        machine, hidden = given, []
         kinds = rng.choice(KINDS, WRONG, replace=False)
-        joints = rng.choice(told.robot.n, WRONG, replace=False)
+        joints = rng.choice(given.robot.n, WRONG, replace=False)
         for kind, j in zip(kinds, joints, strict=True):
-            scene = Scene(machine=machine, rng=rng, peaks=lambda: told.robot.load)
+            scene = Scene(machine=machine, rng=rng, peaks=lambda: given.robot.load)
             figures, said = getattr(draw_joint, kind)(scene, int(j))
-            usual = {name: float(getattr(told, name)[j]) for name in figures}
+            usual = {name: float(getattr(given, name)[j]) for name in figures}
             for name, value in figures.items():
                 machine = machine.at(name, int(j), usual[name] + SHARE * (value - usual[name]))
-            hidden.append(_hidden(kind, told.robot.joints[j], said, machine, int(j)))
+            hidden.append(_hidden(kind, given.robot.joints[j], said, machine, int(j)))
         return cls(spec=spec, machine=machine, hidden=tuple(hidden))
 
     def write(self, folder: Path, *more: tuple[Policy, Carried]) -> Path:
@@ -140,11 +140,11 @@ class Wrong:
 
 def _hidden(kind: str, joint: str, said: dict[str, float], machine: Machine, j: int) -> Hidden:
     """The truth in a finding's words, at the size that it has."""
-    told = machine.robot.rotor[j]
+    rotor = machine.robot.rotor[j]
     figures = {
         "coulomb_friction": lambda: {"level": machine.coulomb[j]},
         "viscous_friction": lambda: {"coefficient": machine.viscous[j]},
-        "rotor_inertia": lambda: {"inertia": machine.rotor[j] - told},
+        "rotor_inertia": lambda: {"inertia": machine.rotor[j] - rotor},
         "torque_offset": lambda: {"offset": machine.sensor_offset[j]},
         "torque_gain": lambda: {"gain": machine.sensor_gain[j] / machine.drive_gain[j]},
     }[kind]()
@@ -189,7 +189,7 @@ def policy_of(wrong: Wrong, way: str, base: Carried, proposal: Proposal | None) 
 
 
 def row_of(seed: int, way: str, base: Carried, search: float, out: Path, fit_only: bool) -> Row:
-    """Of one machine moved once more; the report of its first logs is kept for all ways."""
+    """Row of one machine moved once more; the report of its first logs is kept for all ways."""
     wrong, begin = Wrong.drawn(seed), time.perf_counter()
     row: Row = {"seed": seed, "way": way, "base": base}
     first = out / f"machine {seed}"
@@ -303,7 +303,7 @@ def _off(found: list[dict[str, Any]], hidden: dict[str, Any]) -> float:
 
 
 def tables(rows: pd.DataFrame) -> str:
-    """By way and base."""
+    """Table by way and base."""
     head = ["moved once more", "machines", "causes right", "false", "figures off, mean"]
     lines = []
     for (base, way), some in rows.groupby(["base", "way"], sort=False):

@@ -2,9 +2,9 @@
 
     python -m bench.sim2real.propose.picture bench/sim2real/propose/propose.png
 
-An arm with dry friction in its second joint, moved slowly once, is diagnosed, and presliding is put
-beside that finding by hand, as if it were listed: the motion that is proposed for it is drawn
-beside the log, with the friction of either name along both.
+An arm with dry friction in its second joint, moved slowly once, is diagnosed, and presliding is
+added to that finding by hand, as if it were listed: the motion that is proposed for it is drawn
+next to the log, with the friction of either name along both.
 """
 
 import tempfile

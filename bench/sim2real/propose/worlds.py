@@ -111,6 +111,6 @@ def _swing(rng: np.random.Generator, time: Array, half: float) -> Array:
 
 
 def _one_way(rng: np.random.Generator, time: Array, half: float) -> Array:
-    """From one end to the other, once."""
+    """Path from one end to the other, once, (T,)."""
     s = np.clip((time - 1.0) / (time[-1] - 2.0), 0.0, 1.0)
     return rng.choice([-1.0, 1.0]) * rng.uniform(0.3, 0.7) * half * (2.0 * (s**2 * (3 - 2 * s)) - 1)

@@ -133,7 +133,7 @@ def position_error(paths: Sequence[FloatArray], recordings: Sequence[Recording])
 
 
 def foreseen(model: Model, recordings: Sequence[Recording], ratio: float) -> list[FloatArray]:
-    """Positions of a model whose gain is told to be `ratio` times the one it was learnt at."""
+    """Positions of a model whose gain is given as `ratio` times the one it was learnt at."""
     controller = model.controller
     assert controller is not None
     assert controller.drive is not None
@@ -169,19 +169,19 @@ def predictions(references: dict[int, Examination]) -> list[str]:
 
 def gains_given_wrong(folder: Path) -> list[str]:
     rows = ["| gain | told | said first | gain said | error |", "| --- | --- | --- | --- | --- |"]
-    for gain, told in ((100, 160), (100, 60), (400, 560), (400, 240), (100, 100), (400, 400)):
-        controller = {"type": "voltage", "kp": [told], "unit": [UNIT]}
+    for gain, given in ((100, 160), (100, 60), (400, 560), (400, 240), (100, 100), (400, 400)):
+        controller = {"type": "voltage", "kp": [given], "unit": [UNIT]}
         found = examine(study(folder, gain, controller=controller)).diagnosis.controllers[0]
         said = "the gain told is wrong" if "kp" in found.given_wrong else "nothing of the gain"
         value = found.gains["kp"].value / UNIT
         rows.append(
-            f"| {gain} | {told} | {said} | {value:.1f} | {100 * (value / gain - 1):+.1f} % |"
+            f"| {gain} | {given} | {said} | {value:.1f} | {100 * (value / gain - 1):+.1f} % |"
         )
     return rows
 
 
 def loads_given_wrong(folder: Path, references: dict[int, Examination]) -> list[str]:
-    """Rows: a mass or a length told wrong, with nothing known of the drive and with its figures."""
+    """Rows: a mass or length given wrong, with nothing known of the drive and with its figures."""
     rows = [
         "| gain | told wrong | nothing known of the drive: swings like [m] | load is said to be"
         " | drive known from the other gain: length [m] | error | mass [kg] | error |",

@@ -89,10 +89,10 @@ def conceal(
             free = [k for k in free if k in _last_links(user)]
         k = int(rng.choice(free))
         taken.add(k)
-        parameter_id = ParameterId(kind, k)
-        value = baseline(user, parameter_id)
+        parameter = ParameterId(kind, k)
+        value = baseline(user, parameter)
         drive = baseline(user, ParameterId("kp", k))
-        values[parameter_id] = {
+        values[parameter] = {
             "damping": lambda v, d: v + rng.uniform(0.01, 0.04) * d,
             "frictionloss": lambda v, d: v + rng.uniform(0.004, 0.02) * d,
             "armature": lambda v, d: v + rng.uniform(0.0004, 0.0015) * d,
@@ -102,7 +102,7 @@ def conceal(
             "mass": lambda v, d: v + rng.uniform(0.3, 1.0) * max(v, 0.3),
             "ref": lambda v, d: rng.choice([-1, 1]) * rng.uniform(0.03, 0.1),
         }[kind](value, drive)
-        values[parameter_id] = float(values[parameter_id])
+        values[parameter] = float(values[parameter])
     return values
 
 
@@ -131,9 +131,9 @@ def _scored(step: Step, values: dict[ParameterId, float], about: Row) -> list[Ro
     user = step.explained.user
     matched: set[int] = set()
     rows: list[Row] = []
-    for parameter_id, value in values.items():
-        place = "" if parameter_id.index == EVERY else place_of(user, parameter_id)
-        names = SAME.get(parameter_id.property, {parameter_id.property})
+    for parameter, value in values.items():
+        place = "" if parameter.index == EVERY else place_of(user, parameter)
+        names = SAME.get(parameter.property, {parameter.property})
         claimed, estimate = False, None
         for i, finding in enumerate(step.findings):
             where = (*finding.joints, *finding.links)
@@ -142,7 +142,7 @@ def _scored(step: Step, values: dict[ParameterId, float], about: Row) -> list[Ro
             if right and (finding.effect in names or names & others):
                 matched.add(i)
                 claimed = True
-                estimate = finding.parameters.get(parameter_id.property)
+                estimate = finding.parameters.get(parameter.property)
         listed = claimed or any(
             f.effect in names and (not place or place in (*f.joints, *f.links))
             for f in step.suspected
@@ -151,7 +151,7 @@ def _scored(step: Step, values: dict[ParameterId, float], about: Row) -> list[Ro
         rows.append(
             {
                 **about,
-                "cause": "shared delay" if not place else parameter_id.property,
+                "cause": "shared delay" if not place else parameter.property,
                 "claimed": claimed,
                 "listed": listed,
                 "truth": value,
@@ -178,7 +178,7 @@ def _last_links(user: UserModel) -> list[int]:
 
 
 def jobs_of(count: int) -> dict[str, dict[str, object]]:
-    """By name: a seventh with nothing, two fifths of the rest with two causes."""
+    """Jobs by name: a seventh with nothing, two fifths of the rest with two causes."""
     rng = np.random.default_rng(20)
     kinds = (
         *("damping", "frictionloss", "armature", "kp", "kv", "delay", "shared delay", "mass"),
@@ -198,11 +198,11 @@ def jobs_of(count: int) -> dict[str, dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """By cause: how often it was claimed, listed at all, and its size within the interval."""
+    """Table by cause: how often claimed, listed at all, and its size within the interval."""
     lines = []
     for cause, each in rows.groupby("cause"):
-        told = each["inside"].dropna()
-        inside = f"{int(told.sum())} / {len(told)}" if len(told) else ""
+        known = each["inside"].dropna()
+        inside = f"{int(known.sum())} / {len(known)}" if len(known) else ""
         lines.append(
             (
                 cause,

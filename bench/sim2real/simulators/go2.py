@@ -3,7 +3,7 @@
     python -m bench.sim2real.simulators.go2 SHARED/recordings/go2_hanging --picture FILE
 
 The user's simulator is the Go2 of example-robot-data under the drives' gains (kp 20, kd 1.5),
-nothing else. Beside it stand the figures that the recording's authors simulate with (damping 0.6,
+nothing else. Next to it stand the figures that the recording's authors simulate with (damping 0.6,
 dry friction 0.2, armature 0.01 in every joint). Errors are those of the held-out end, in runs of
 1.5 s that begin at the measured state.
 """

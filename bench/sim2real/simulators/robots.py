@@ -29,7 +29,7 @@ class Robot:
 
 
 def robots() -> dict[str, Robot]:
-    """By name; the quadruped only where example-robot-data is installed."""
+    """Robots by name; the quadruped only where example-robot-data is installed."""
     found = {
         "panda": Robot(
             urdf=shipped("panda"),
@@ -95,8 +95,8 @@ def found_in(comparison: Comparison) -> str:
         lines.append(f"{finding.statement} ({low:.3g} to {high:.3g}) {finding.confidence:.2f}")
     for finding in comparison.machine.suspected:
         alike = [f"{e.effect} of {' '.join((*e.joints, *e.links))}" for e in finding.equivalents]
-        told = f", or {', '.join(alike)}" if alike else ""
-        lines.append(f"suspected: {finding.statement} {finding.confidence:.2f}{told}")
+        others = f", or {', '.join(alike)}" if alike else ""
+        lines.append(f"suspected: {finding.statement} {finding.confidence:.2f}{others}")
     return "\n".join(lines)
 
 

@@ -35,7 +35,7 @@ CHANNELS = ("q", "dq", "q_des")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figures:
-    """Of every joint alike."""
+    """Figures of every joint alike."""
 
     kp: float  # [N m/rad]
     kv: float | None  # [N m s/rad]; None: critically damped, as MuJoCo's dampratio="1" says

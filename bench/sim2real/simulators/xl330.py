@@ -1,4 +1,4 @@
-"""A real hobby servo that swings a load, beside the simulator that its data sheet makes.
+"""A real hobby servo that swings a load, compared with the simulator that its data sheet makes.
 
     python -m bench.sim2real.simulators.xl330 ../shared/recordings/bam_xl330
 

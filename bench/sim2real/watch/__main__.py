@@ -1,4 +1,4 @@
-"""A day of a machine that is watched: false alarms, what is told, how soon, at what cost.
+"""A day of a machine that is watched: false alarms, what is reported, how soon, at what cost.
 
 python -m bench.sim2real.watch --out watch_day            resumes where it was stopped
 python -m bench.sim2real.watch --out watch_day --table    the table only
@@ -77,12 +77,12 @@ def shows(log: Any, onset: Onset, floor: np.ndarray, allowed: float) -> tuple[fl
 def watched(watch: sim2real.Watch, log: Any, name: str) -> tuple[list[sim2real.Alarm], float]:
     """Alarms of a log, and the CPU's seconds."""
     columns, before = log.columns(), time.process_time()
-    told = []
+    alarms = []
     for at in range(0, len(log.time), CHUNK):
         part = {key: values[at : at + CHUNK] for key, values in columns.items()}
-        told += watch.feed(part, source=name)
-    told += watch.end()
-    return told, time.process_time() - before
+        alarms += watch.feed(part, source=name)
+    alarms += watch.end()
+    return alarms, time.process_time() - before
 
 
 def main() -> None:
@@ -118,17 +118,17 @@ def run(out: Path, allowed: float) -> None:
 def result(
     machine: Machine, model: sim2real.Model, kind: str, number: int, allowed: float
 ) -> dict[str, Any]:
-    """What was told of a log, and the truth."""
+    """Row of what was reported of a log, and the truth."""
     onset = onset_of(number) if kind == "changed" else None
     log = machine.log(1000 * (1 + (kind == "changed")) + number, SECONDS, onset)
     thresholds = sim2real.Thresholds().changed({"watch.friction_change": allowed})
-    told, seconds = watched(sim2real.Watch(model, thresholds=thresholds), log, kind)
+    alarms, seconds = watched(sim2real.Watch(model, thresholds=thresholds), log, kind)
     row: dict[str, Any] = {
         "kind": kind,
         "number": number,
         "cpu": seconds,
         "resident": resident(),
-        "alarms": [json.loads(each.to_json()) for each in told],
+        "alarms": [json.loads(each.to_json()) for each in alarms],
     }
     if onset is not None:
         assert model.healthy is not None
@@ -185,13 +185,13 @@ def table(out: Path) -> list[str]:
 
 def _line(kind: str, rows: list[dict[str, Any]]) -> str:
     shown = [r for r in rows if np.isfinite(r["shows"])]
-    delays, joints, first, last, told, more = [], 0, 0, 0, 0, 0
+    delays, joints, first, last, found, more = [], 0, 0, 0, 0, 0
     for row in shown:
         alarms = [a for a in row["alarms"] if a["told"] >= row["onset"]["at"]]
         noticed = [a for a in alarms if a["stage"] == "noticed"]
         if not noticed:
             continue
-        told += 1
+        found += 1
         more += len(noticed) > 1
         delays.append(noticed[0]["told"] - row["shows"])
         learnt = [
@@ -214,8 +214,8 @@ def _line(kind: str, rows: list[dict[str, Any]]) -> str:
     )
     quick = sum(d <= 2.0 for d in delays)
     return (
-        f"| {kind} | {len(rows)} | {len(shown)} | {told} of {of} | {spread} | {quick} of {of} |"
-        f" {joints} of {told} | {first} of {told} | {last} of {told} | {more} |"
+        f"| {kind} | {len(rows)} | {len(shown)} | {found} of {of} | {spread} | {quick} of {of} |"
+        f" {joints} of {found} | {first} of {found} | {last} of {found} | {more} |"
     )
 
 

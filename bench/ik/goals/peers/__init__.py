@@ -74,7 +74,7 @@ def _row(case: Case, answer: Answer) -> Row:
 
 
 def lines(trials: pd.DataFrame) -> list[Line]:
-    """Each beside pdoik; a line for each peer that is not there."""
+    """Lines of each compared with pdoik; a line for each peer that is not there."""
     found = [
         Line(what=f"{name} is not installed", asked="", measured="", cases="0", failures="")
         for name in SOLVERS

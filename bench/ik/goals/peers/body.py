@@ -56,7 +56,7 @@ class Body:
 
     @cached_property
     def joints(self) -> dict[str, Joint]:
-        """By the link that they carry."""
+        """Joints by the link that they carry."""
         found = [
             Joint(
                 xml.attrib["name"],
@@ -93,12 +93,12 @@ class Body:
         return self.bare_name(self.robot.link_names[0])
 
     def bare_name(self, link: str) -> str:
-        """Of a link in `bare`."""
+        """Name of a link in `bare`."""
         return "root_link" if link == "world" else link
 
     @cached_property
     def bare(self) -> str:
-        """Its kinematics and limits as URDF; joints that move no tip are fixed."""
+        """The body's kinematics and limits as URDF; joints that move no tip are fixed."""
         xml = Element("robot", name="body")
         for link in ElementTree.fromstring(self.urdf).iterfind("link"):
             added = SubElement(xml, "link", name=self.bare_name(link.attrib["name"]))
@@ -124,7 +124,7 @@ class Body:
 
     @cached_property
     def capsules(self) -> list[Capsule]:
-        """Its hulls."""
+        """The body's hulls."""
         return [
             Capsule(link, np.array(a), np.array(b), radius)
             for link, a, b, radius, *_ in self.robot.occupancy.capsules

@@ -19,7 +19,7 @@ from bench.ik.goals.world import POSITION, angle, random_in
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
-    """Of an answer, by Pinocchio and NumPy."""
+    """Verdict on an answer, by Pinocchio and NumPy."""
 
     holds: bool  # all that is claimed of it
     solves: bool  # and it is what was wanted

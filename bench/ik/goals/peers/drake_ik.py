@@ -32,7 +32,7 @@ X, Y, Z = np.eye(3)
 
 
 class DrakeIk:
-    """From each start a program without a cost; its word is SNOPT's.
+    """Solves a program without a cost from each start; success is what SNOPT reports.
 
     Places are position constraints, in the region's own frame. Turns are angles between axes, which
     a constraint on the whole angle would leave without a gradient where it is met. Where there are
@@ -82,7 +82,7 @@ class DrakeIk:
         return least_of(search, starts)
 
     def _search(self, regions: Sequence[Region]) -> Search:
-        """By programs that are made once, when they are needed."""
+        """A search by programs that are made once, when they are needed."""
         programs: list[Any] = []
 
         def search(start: FloatArray) -> tuple[FloatArray, bool]:

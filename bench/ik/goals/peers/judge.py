@@ -12,7 +12,7 @@ TOUCHES = -1e-6 - 1e-9  # what is below [m]
 
 
 class Judge:
-    """Of one body."""
+    """Judges answers of one body."""
 
     def __init__(self, body: Body) -> None:
         self.kinematics = Kinematics(body.urdf, body.robot.joint_names)

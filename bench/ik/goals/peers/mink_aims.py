@@ -11,7 +11,7 @@ from bench.common.arrays import FloatArray
 from bench.ik.goals.peers.problems import Region
 
 TASK_DAMPING = 0.03  # as bench/ik/methods/mink_qp.py has it
-TURN = 0.3  # metres that a radian weighs [m]
+TURN = 0.3  # metres that a radian counts as [m]
 INSIDE = 0.8  # of a slack, where a tip outside is drawn to
 
 
@@ -24,7 +24,7 @@ class Aim:
 
 
 def aim_of(mink: Any, region: Region) -> Aim:
-    """Of any region."""
+    """The aim of any region."""
     if region.look is not None:
         return _look_aim(mink, region)
     if region.relative_to:
@@ -99,5 +99,5 @@ def _box_aim(mink: Any, region: Region) -> Aim:
 
 
 def _worse(error: FloatArray) -> float:
-    """Of a place and a turn."""
+    """The larger of the errors of place and turn."""
     return float(max(np.linalg.norm(error[:3]), np.linalg.norm(error[3:])))

@@ -154,7 +154,7 @@ class MinkIk:
         return pose
 
     def _is_clear(self) -> bool:
-        """By MuJoCo's own contacts."""
+        """Whether MuJoCo finds no contacts."""
         if self._contacts is None:
             return True
         data = self._configuration.data

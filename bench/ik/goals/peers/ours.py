@@ -30,7 +30,7 @@ class Ours:
             self._obstacles = [pdoik.Shape.half_space("table", [0, 0, 1], [0, 0, body.table])]
 
     def solve(self, regions: Sequence[Region], starts: FloatArray) -> Answer:
-        """From the first start."""
+        """Solve from the first start."""
         began = perf_counter()
         goals = [_goal(region) for region in regions]
         result = self._solver.solve(goals, q0=starts[0], obstacles=self._obstacles)

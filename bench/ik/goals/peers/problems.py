@@ -49,7 +49,7 @@ class Peer(Protocol):
     name: str
 
     def solve(self, regions: Sequence[Region], starts: FloatArray) -> Answer:
-        """From starts (K, n) in turn, until one ends in all regions."""
+        """Solve from starts (K, n) in turn, until one ends in all regions."""
         ...
 
     def any_of(self, regions: Sequence[Region], starts: FloatArray) -> Answer:
@@ -57,7 +57,7 @@ class Peer(Protocol):
         ...
 
     def nearest(self, T: FloatArray, tip: str, starts: FloatArray) -> Answer:
-        """At the place of T and as near to its orientation as can be."""
+        """The answer at the place of T and as near to its orientation as can be."""
         ...
 
 
@@ -107,7 +107,7 @@ def least_of(
 
 
 def by_distance(regions: Sequence[Region], at: FloatArray) -> list[int]:
-    """Regions' places in their order from a pose; a radian weighs 0.3 m."""
+    """Regions' places in their order from a pose; a radian counts as 0.3 m."""
 
     def distance(region: Region) -> float:
         turned = np.arccos(np.clip((np.trace(at[:3, :3].T @ region.T[:3, :3]) - 1) / 2, -1, 1))

@@ -40,12 +40,12 @@ class DistanceGraph:
         ] + [last]
         self._add_known("goal", product(BASE, points.pair(last)))
         self._ends = np.array(self.graph.edges)
-        told = [edge for *_, edge in self.graph.edges(data=True)]
-        rows = np.arange(len(told))
-        self.incidence = np.zeros((len(told), len(points.names)))  # (m, N), 1 and -1
+        edges = [edge for *_, edge in self.graph.edges(data=True)]
+        rows = np.arange(len(edges))
+        self.incidence = np.zeros((len(edges), len(points.names)))  # (m, N), 1 and -1
         self.incidence[rows, self._ends[:, 0]], self.incidence[rows, self._ends[:, 1]] = 1, -1
-        self._lower, self._upper = (np.array([e[end] for e in told]) for end in ("lower", "upper"))
-        self._goal_rows = np.flatnonzero([edge["kind"] == "goal" for edge in told])
+        self._lower, self._upper = (np.array([e[end] for e in edges]) for end in ("lower", "upper"))
+        self._goal_rows = np.flatnonzero([edge["kind"] == "goal" for edge in edges])
 
     def ranges(self, goal: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lower and upper squared distances of all edges, (m,) each.

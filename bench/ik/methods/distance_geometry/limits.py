@@ -31,7 +31,7 @@ class SquaredDistance:
 
     @classmethod
     def through(cls, samples: FloatArray) -> SquaredDistance:
-        """From its values at 0, 1/3 and 2/3 of a turn, (3,) [m^2]."""
+        """Fit to values at 0, 1/3 and 2/3 of a turn, (3,) [m^2]."""
         angles = TURN / 3 * np.arange(3)
         a, b = 2 / 3 * samples @ np.cos(angles), 2 / 3 * samples @ np.sin(angles)
         return cls(

@@ -46,5 +46,5 @@ class GramRank3(PSDFixedRank):
         return float(np.sqrt(np.vdot(tangent_vector, tangent_vector)))
 
     def transport(self, a: FloatArray, b: FloatArray, tangent_vector: FloatArray) -> FloatArray:
-        """By projection."""
+        """Transport by projection."""
         return self.projection(b, tangent_vector)

@@ -1,4 +1,4 @@
-"""From points back to joint angles.
+"""Recover joint angles from points.
 
 After Maric et al. 2021: the points are moved onto the base's, by a reflection if that fits
 better, since distances do not tell it; then joint after joint is turned so that the next axis's

@@ -63,7 +63,7 @@ class DistanceGeometricSolver(ABC):
         self.relaxed_joints = tuple(arm.robot.joint_names[k] for k in sorted(self._graph.relaxed))
 
     def solve(self, problem: Problem) -> Answer:
-        """Solve it; the terms' time ends the optimization, beside which about 1 ms is spent."""
+        """Solve it; the terms' time ends the optimization; about 1 ms more is spent besides."""
         begin = perf_counter()
         cost = self.cost(problem)
         with np.errstate(all="ignore"):  # pymanopt divides by zero when it has converged
@@ -113,7 +113,7 @@ class DistanceGeometricSolver(ABC):
         return self._graph.start(self._points.goal(problem.T_base_tip))
 
     def _is_solved(self, problem: Problem, q: FloatArray) -> bool:
-        """Its own opinion: goal, limits up to 1 % of the range, spheres up to 1 mm."""
+        """Whether q is solved by its own test: goal, limits to 1 % of the range, balls to 1 mm."""
         T, goal = self._robot.fk(q), problem.T_base_tip
         z, z_goal = T[:3, 2], goal[:3, 2]
         angle = np.arctan2(np.linalg.norm(np.cross(z, z_goal)), z @ z_goal)

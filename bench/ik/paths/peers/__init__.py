@@ -1,7 +1,7 @@
 """The same paths by what a user would try instead, judged alike.
 
 A peer gives a configuration for each station, joined by straight lines. What it says of them is not
-asked: a path is whole if the judge finds nothing wrong with it; and beside that, if nothing is
+asked: a path is whole if the judge finds nothing wrong with it; and besides that, if nothing is
 wrong but the way between stations, of which peers know nothing.
 """
 

@@ -14,7 +14,7 @@ MAX_TIME = 0.05  # of a solve [s]
 
 
 def chained(problem: Problem, rng: np.random.Generator) -> FloatArray | None:
-    """From any first solution, wherever it leads: "200 of 200 solved"."""
+    """Chain from any first solution, wherever it leads: "200 of 200 solved"."""
     del rng
     return _chain(problem, problem.solver(max_time=MAX_TIME), None, np.inf)
 

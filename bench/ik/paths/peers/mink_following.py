@@ -21,7 +21,7 @@ EXACT = 5e-6  # [m] and [rad]
 
 
 def follows(problem: Problem, rng: np.random.Generator) -> FloatArray | None:
-    """From random starts, until one meets all stations."""
+    """Follow from random starts, until one meets all stations."""
     model = _model(problem)
     configuration, limits = mink.Configuration(model), [mink.ConfigurationLimit(model)]
     robot = problem.robot

@@ -38,7 +38,7 @@ def _allow(solid: str) -> frozenset[Contact]:
 
 @family("table_top", "on a table's top", UR10, contact=True)
 def table_top(rng: np.random.Generator, _: Placement) -> Draft:
-    """Anywhere on a table of 1 m by 1 m, 0.74 m high, half a metre beside the robot."""
+    """Anywhere on a table of 1 m by 1 m, 0.74 m high, half a metre next to the robot."""
     high = TOP - 0.04
     solids = [box("top", (1.0, 1.0, 0.04), pose((0, 0.97, TOP - 0.02)))]
     solids += legs((0.06, 0.06, high), (-0.45, 0.45), (0.52, 1.42), high / 2)

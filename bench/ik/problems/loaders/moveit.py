@@ -1,4 +1,4 @@
-"""MotionBenchMaker's sets: scene0001.yaml (a PlanningScene) beside request0001.yaml."""
+"""MotionBenchMaker's sets: scene0001.yaml (a PlanningScene) next to request0001.yaml."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -46,7 +46,7 @@ def read_moveit(
     judges = _Judges(files, joint_names)
     problems = []
     for scene_file in sorted(folder.glob("scene*.y*ml"), key=_number):
-        if "sensed" in scene_file.stem:  # a cloud's voxels, beside the true scene
+        if "sensed" in scene_file.stem:  # a cloud's voxels, next to the true scene
             continue
         request_file = scene_file.with_name(scene_file.name.replace("scene", "request", 1))
         if not request_file.is_file():
@@ -102,7 +102,7 @@ class _Judges:
 
 
 def _things(scene: Mapping[str, Any], file: Path, links: Sequence[str]) -> dict[str, list[Solid]]:
-    """By object; one of several pieces gives solids named id/0, id/1 and so on."""
+    """Solids by object; one of several pieces gives solids named id/0, id/1 and so on."""
     things: dict[str, list[Solid]] = {}
     for thing in read_world(scene, file, links=set(links)):
         for k, piece in enumerate(thing.pieces):
