@@ -198,7 +198,7 @@ def loads_given_wrong(folder: Path, references: dict[int, Examination]) -> list[
             swings = blind.controllers[0].load["reduced_length"].value
             loads = ("link_inertial_error", "payload")
             claimed = next((f.effect for f in blind.findings if f.effect in loads), "")
-            too_long = any("told too long" in note for note in blind.notes)
+            too_long = any("it is too long" in note for note in blind.notes)
             said = "too long" if too_long else claimed.replace("_", " ") or "not told apart"
             keys = given_drive(references[other], gain)
             load = examine(study(folder, gain, mass, length, **keys)).diagnosis.controllers[0].load
