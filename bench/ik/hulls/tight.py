@@ -35,7 +35,7 @@ from pdoik.occupancy_fit import (
     Solid,
     fit_link,
     fit_pieces,
-    overhang,
+    overhang_of,
     spread,
     tidy_point,
 )
@@ -100,7 +100,7 @@ def measure(meshes: dict[str, FloatArray], capsules: list[Capsule]) -> list[Link
     for link, mesh in meshes.items():
         own = [hull for hull in capsules if hull.link == link]
         a, b, radius = (np.array([hull[i] for hull in own]) for i in (1, 2, 3))
-        out = overhang(Solid.of(mesh), Capsules(a, b, radius))
+        out = overhang_of(Solid.of(mesh), Capsules(a, b, radius))
         rows.append((link, len(own), 1e3 * out.mean, 1e3 * out.worst))
     return rows
 

@@ -13,7 +13,7 @@ from bench.common.arrays import FloatArray
 from bench.humanoid.hulls import capsule_mesh
 from bench.ik.judges.arm_meshes import public_robot
 from bench.ik.pictures import cube, faces, plt, save
-from pdoik.occupancy_fit import Capsules, Solid, fit_capsules, load_geometry, overhang, subdivide
+from pdoik.occupancy_fit import Capsules, Solid, fit_capsules, load_geometry, overhang_of, subdivide
 
 LARGEST = 0.008  # edge of what is drawn: larger ones are sorted wrongly [m]
 SECTIONS = 28  # of a capsule's circles
@@ -46,7 +46,7 @@ def main(
     for row, link in enumerate(links):
         found = fit_capsules(meshes[link])
         capsules = Capsules(*(np.array([hull[i] for hull in found]) for i in range(3)))
-        out_by = overhang(Solid.of(meshes[link]), capsules)
+        out_by = overhang_of(Solid.of(meshes[link]), capsules)
         for column, view in enumerate(VIEWS, start=1):
             ax = figure.add_subplot(len(links), 2, 2 * row + column, projection="3d")
             draw(ax, meshes[link], capsules)

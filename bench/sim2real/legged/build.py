@@ -191,11 +191,11 @@ def make_study(folder: Path, spec: Spec, truth_folder: Path | None = None) -> Ma
         write_log(folder / name, measured(rows, world.machine, world.sensors, rng, held=held))
         entries.append({"file": name, **take.entry})
     kind = world.machine.robot
-    write_study(folder, kind.urdf.read_text(), _study(kind, entries))
+    write_study(folder, kind.urdf.read_text(), study_of(kind, entries))
     return world
 
 
-def _study(kind: Robot, recordings: list[dict[str, str]]) -> dict[str, Any]:
+def study_of(kind: Robot, recordings: list[dict[str, str]]) -> dict[str, Any]:
     return {
         "robot": "robot.urdf",
         "joints": list(kind.joints),

@@ -22,8 +22,9 @@ from bench.common import commands as cli
 from bench.common.campaign import Campaign, Row
 from bench.common.digests import code_digest
 from bench.common.markdown import markdown_table
+from bench.sim2real.frame.study_files import write_study
 from bench.sim2real.legged import draw_joint
-from bench.sim2real.legged.build import legs_of
+from bench.sim2real.legged.build import legs_of, study_of
 from bench.sim2real.legged.draw_joint import Scene
 from bench.sim2real.legged.machine import Hidden, Machine, as_given
 from bench.sim2real.legged.postures import Path as Posture
@@ -31,7 +32,7 @@ from bench.sim2real.legged.postures import State, grid, hang, home, stand
 from bench.sim2real.legged.robots import robot
 from bench.sim2real.legged.run import Policy, simulate
 from bench.sim2real.legged.score import CLAIMED, figures_of, is_right
-from bench.sim2real.legged.sensors import measured, sensors, write_log, write_study
+from bench.sim2real.legged.sensors import measured, sensors, write_log
 from bench.sim2real.legged.spec import Array, Spec
 from bench.sim2real.legged.world import GRAVITY, build
 from pdoik.sim2real import Diagnosis, Model, examine, load_study, model_of, prepare
@@ -134,7 +135,8 @@ class Wrong:
             write_log(folder / f"rec{k}.csv", measured(rows, self.machine, sense, noise, held=held))
             held_entry = {"base": "held"} if held else {}
             entries.append({"file": f"rec{k}.csv", "role": role, **held_entry})
-        write_study(folder, self.machine.robot, entries)
+        robot = self.machine.robot
+        write_study(folder, robot.urdf.read_text(), study_of(robot, entries))
         return folder / "study.yaml"
 
 

@@ -5,18 +5,26 @@
 >>> fit.write("robot.occupancy.yaml")  # doctest: +SKIP
 """
 
+from typing import TYPE_CHECKING
+
 from pdoik._extras import asks_for
+from pdoik._later import later
 
 with asks_for("files"):
-    from .beyond import Beyond
     from .capsules import AIM, Capsule, fit_capsules, fit_link
     from .fit import fit_occupancy
+    from .hulls import Sphere, Spheroid
+    from .pieces import Piece, fit_pieces
+    from .report import FitReport, HullReport, LinkReport
+    from .result import OccupancyFit
+    from .surfaces import LinkNews
+
+if TYPE_CHECKING:
+    from .beyond import Beyond
     from .geometry import LinkGeometry, load_geometry
     from .hulls import (
         MARGIN,
         Shape,
-        Sphere,
-        Spheroid,
         convex_volume,
         half_sum,
         principal_axes,
@@ -24,16 +32,31 @@ with asks_for("files"):
         tidy_point,
     )
     from .kept import read_fit
-    from .overhang import overhang, worst_place
-    from .pieces import TOLERANCE, Piece, fit_pieces
-    from .report import FitReport, HullReport, LinkReport
-    from .result import OccupancyFit
+    from .overhang import overhang_of, worst_place
+    from .pieces import TOLERANCE
     from .rough import Halves, rough_shapes
     from .segments import Capsules
     from .solid import Solid, spread, subdivide
     from .split import clip, cover_stages, union_volume
-    from .surfaces import LinkNews
     from .twins import motion_between
+else:
+    __getattr__ = later(
+        __name__,
+        {
+            "beyond": "Beyond",
+            "geometry": "LinkGeometry load_geometry",
+            "hulls": "MARGIN Shape convex_volume half_sum principal_axes smallest_shape tidy_point",
+            "kept": "read_fit",
+            "overhang": "overhang_of worst_place",
+            "pieces": "TOLERANCE",
+            "rough": "Halves rough_shapes",
+            "segments": "Capsules",
+            "solid": "Solid spread subdivide",
+            "split": "clip cover_stages union_volume",
+            "twins": "motion_between",
+        },
+        "files",
+    )
 
 __all__ = [
     "AIM",
@@ -64,7 +87,7 @@ __all__ = [
     "half_sum",
     "load_geometry",
     "motion_between",
-    "overhang",
+    "overhang_of",
     "principal_axes",
     "read_fit",
     "rough_shapes",

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import OverhangWarning
 from .hulls import FloatArray, Point, tidy_point
-from .overhang import Overhang, each_overhang, overhang
+from .overhang import Overhang, each_overhang, overhang_of
 from .segments import Capsules, free, surface, to_segments
 from .settle import Proof
 from .solid import Solid
@@ -173,14 +173,14 @@ class _Fit:
 
     def _moved(self, capsules: Capsules, steps: int) -> _Set:
         moved = self.proof.approximate(self.wrap.move(capsules, steps))
-        got = overhang(self.solid, moved, _POINTS)
+        got = overhang_of(self.solid, moved, _POINTS)
         out = Overhang(got.mean + self.swelling.mean, got.worst + self.swelling.worst)
         return _Set(moved, out, self._score(out))
 
     def _proven(self, now: _Set) -> _Set:
         """Proven; what the proof added to the overhang is expected of the next sets too."""
         proven = self.proof.settle(now.capsules)
-        out, before, added = overhang(self.solid, proven), now.overhang, self.swelling
+        out, before, added = overhang_of(self.solid, proven), now.overhang, self.swelling
         self.swelling = Overhang(
             added.mean + out.mean - before.mean, added.worst + out.worst - before.worst
         )

@@ -44,7 +44,7 @@ def worst_place(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS)
     return np.stack([place, solid.nearest(place)])
 
 
-def overhang(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> Overhang:
+def overhang_of(solid: Solid, capsules: Capsules, points: int = OVERHANG_POINTS) -> Overhang:
     """Measured on points spread over the surface of the capsules' union.
 
     Walls of cavities inside the solid are not part of the outer surface.

@@ -1,10 +1,14 @@
 """Pictures of solutions: the arm, what it holds, what is around, where the tip is and should be."""
 
+from typing import TYPE_CHECKING
+
 from pdoik._extras import asks_for
+from pdoik._later import later
 
 with asks_for("plot"):
-    from pdoik.picture.solution import draw_solution
+    from .solution import draw_solution
 
+if TYPE_CHECKING:
     from .contents import contents_of
     from .cube import Cube, in_pieces, shape_triangles
     from .facets import FacetSoup, spheroid_axes
@@ -15,6 +19,23 @@ with asks_for("plot"):
     from .raster import DepthBuffer, blended
     from .stage import Stage
     from .view import best_azimuth
+else:
+    __getattr__ = later(
+        __name__,
+        {
+            "contents": "contents_of",
+            "cube": "Cube in_pieces shape_triangles",
+            "facets": "FacetSoup spheroid_axes",
+            "marks": "mark_of",
+            "overhangs": "draw_overhangs",
+            "path": "draw_path",
+            "places": "place_map",
+            "raster": "DepthBuffer blended",
+            "stage": "Stage",
+            "view": "best_azimuth",
+        },
+        "plot",
+    )
 
 __all__ = [
     "Cube",

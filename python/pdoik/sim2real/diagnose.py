@@ -40,7 +40,12 @@ class Ready:
 
 
 def preprocess(study: Study, say: Tell = lambda stage, text, share: None) -> Ready:
-    """Put up the balances, work out controllers and mend channels."""
+    """Set up the balances of a study, work out its controllers and mend its channels.
+
+    Args:
+        study: as it was read.
+        say: called with a stage, what it came to in words, and the share of the diagnosis done.
+    """
     study = excerpted(study)
     say("read", f"{len(study.recordings)} recordings of {len(study.joints)} joints", 0.02)
     prepared = prepare(study)

@@ -123,7 +123,10 @@ def test_options_of_trees_out_of_range_are_named(
         ({"contacts": {LEFT: SOLE[:, :2]}}, rf"contacts\['{LEFT}'\] has shape \(4, 2\), expected"),
         ({"contacts": {LEFT: np.full((3, 3), np.nan)}}, f"contacts of '{LEFT}' hold NaN"),
         ({"contacts": {LEFT: SOLE}, "up": (0, 0, 0)}, "balance.up has length 0"),
-        ({"contacts": {LEFT: SOLE}, "support_margin": np.nan}, "support_margin is not finite"),
+        (
+            {"contacts": {LEFT: SOLE}, "support_margin": np.nan},
+            "balance.support_margin is nan, expected a finite number",
+        ),
     ],
 )
 def test_a_balance_that_makes_no_sense_is_named(
