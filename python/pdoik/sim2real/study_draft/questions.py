@@ -49,7 +49,7 @@ def questions_of(facts: Facts) -> dict[str, str]:
         )
     if "tip" in channels:
         asked["tip"] = "of which link was the pose measured? Without it, of the last one"
-    asked["payload"] = "was anything attached that the robot's description does not know?"
+    asked["payload"] = "was anything held or attached that the robot's description does not know?"
     if len(facts.trial.logs) > 1:
         asked["session"] = "were the recordings made on one day?"
     return asked
