@@ -10,8 +10,10 @@ from typing import Any
 from ._extras import asks_for
 
 
-def later(package: str, names: Mapping[str, str], extra: str) -> Callable[[str], Any]:
-    """The `__getattr__` of a package.
+def later(
+    package: str, names: Mapping[str, str], extra: str
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """The `__getattr__` and `__dir__` of a package.
 
     Args:
         package: its `__name__`.
@@ -28,4 +30,7 @@ def later(package: str, names: Mapping[str, str], extra: str) -> Callable[[str],
         setattr(sys.modules[package], name, value)
         return value
 
-    return imported
+    def listed() -> list[str]:
+        return sorted({*vars(sys.modules[package]), *modules})
+
+    return imported, listed

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from .split import clip, cover_stages, union_volume
     from .twins import motion_between
 else:
-    __getattr__ = later(
+    __getattr__, __dir__ = later(
         __name__,
         {
             "beyond": "Beyond",

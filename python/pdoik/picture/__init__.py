@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .stage import Stage
     from .view import best_azimuth
 else:
-    __getattr__ = later(
+    __getattr__, __dir__ = later(
         __name__,
         {
             "contents": "contents_of",

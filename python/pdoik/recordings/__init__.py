@@ -11,7 +11,9 @@ Comes in: a CSV, a ROS bag, MCAP, Parquet, NPZ, HDF5, a LeRobot folder, MATLAB's
 out: a `RobotLog` of its own rows, and of that a `Recording`. Needs pip install 'pdoik[sim2real]'.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from pdoik._later import later
 
 from .columns import Table, joints_of
 from .glitches import glitches
@@ -66,10 +68,10 @@ if TYPE_CHECKING:
     from .reading import Reading
     from .resample import GAP, on_grid, uniform_grid
     from .robot_log import Clock, RobotLog, Unit, read_log
-else:
-    _LATER = {  # with readers of files, or SciPy: imported when asked for
-        name: module
-        for module, names in {
+else:  # with readers of files, or SciPy: imported when asked for
+    __getattr__, __dir__ = later(
+        __name__,
+        {
             "check_recording": "moves to_recording",
             "logs": "KINDS MAX_ROWS Column Log Part entry_keys register",
             "mend_jumps": "with_jumps_mended",
@@ -77,21 +79,6 @@ else:
             "reading": "Reading",
             "resample": "GAP on_grid uniform_grid",
             "robot_log": "Clock RobotLog Unit read_log",
-        }.items()
-        for name in names.split()
-    }
-
-    def __getattr__(name: str) -> Any:
-        if name not in _LATER:
-            raise AttributeError(f"module 'pdoik.recordings' has no attribute {name!r}")
-        from importlib import import_module
-
-        from pdoik._extras import asks_for
-
-        with asks_for("sim2real"):
-            value = getattr(import_module(f"{__name__}.{_LATER[name]}"), name)
-        globals()[name] = value
-        return value
-
-    def __dir__() -> list[str]:
-        return sorted({*globals(), *_LATER})
+        },
+        "sim2real",
+    )
