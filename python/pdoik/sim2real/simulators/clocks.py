@@ -97,7 +97,7 @@ def _local_shift(
     lags = shift + np.linspace(-_REACH, _REACH, _LAGS)
     loss = np.array(
         [
-            ((_commands_at(simulation, machine.time[inside] - lag) - wanted) ** 2).sum()
+            ((commands_at(simulation, machine.time[inside] - lag) - wanted) ** 2).sum()
             for lag in lags
         ]
     )
@@ -109,7 +109,8 @@ def _local_shift(
     return float(lags[at] + aside * (lags[1] - lags[0]))
 
 
-def _commands_at(simulation: Recording, time: FloatArray) -> FloatArray:
+def commands_at(simulation: Recording, time: FloatArray) -> FloatArray:
+    """Desired positions of all joints at some times [s], on lines between samples, (T, n)."""
     assert simulation.q_des is not None
     columns = [np.interp(time, simulation.time, column) for column in simulation.q_des.T]
     return np.stack(columns, axis=1)

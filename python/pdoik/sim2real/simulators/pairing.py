@@ -17,7 +17,7 @@ from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray, Recording
 
 from ..thresholds import SimulatorThresholds
-from .clocks import clocks_of, rate_between
+from .clocks import clocks_of, commands_at, rate_between
 
 _MOST_LAGS = 200_000
 
@@ -151,15 +151,9 @@ def _aligned(machine: Recording, simulation: Recording) -> tuple[float, float]:
     return (place - (len(b) - 1)) * period, float(score[best])
 
 
-def _at(simulation: Recording, time: FloatArray) -> FloatArray:
-    assert simulation.q_des is not None
-    columns = [np.interp(time, simulation.time, column) for column in simulation.q_des.T]
-    return np.stack(columns, axis=1)
-
-
 def _commands(recording: Recording, period: float) -> FloatArray:
     count = int(recording.time[-1] / period + 1e-6) + 1
-    return _at(recording, np.asarray(np.arange(count) * period, dtype=np.float64))
+    return commands_at(recording, np.asarray(np.arange(count) * period, dtype=np.float64))
 
 
 def _overlaps(a: FloatArray, b: FloatArray) -> FloatArray:
