@@ -32,7 +32,7 @@ def main(model_file: Path, out: Path) -> None:
     windows = Windows(len(JOINTS), residuals.cutoff)
     cut = windows.add(Rows(time=log.time, q=log.q, tau=log.tau))
     charts = Charts(model.healthy, limits)
-    residuals.today = charts.today.changes
+    residuals.today = charts.today
     rows = joined(residuals.rows(each) for each in cut)
     used, crossing, path = charts.update(rows)
     figure = Figure(figsize=(9.0, 5.0), layout="constrained", dpi=110)

@@ -32,10 +32,16 @@ class Healthy:
     power: FloatArray  # (n, 3) mean square of the column over scale and noise [1/(N m)^2]
     density: FloatArray  # (n, 3) of the residual's noise along the column, at frequency zero [s]
     bias: FloatArray  # (n, 3) root mean square of the column's coefficient in healthy logs [N m]
+    bodies_off: FloatArray  # (10 L,) inertial parameters of the links, less the model's
+    bodies_covariance: FloatArray  # (10 L, 10 L); both are empty where none were learnt
+
+    def variance_at(self, features: FloatArray) -> FloatArray:
+        """Variance of the residual's noise at rows with these features, (N, n) [(N m)^2]."""
+        return np.asarray(np.einsum("tjk,jk->tj", features, self.variance), dtype=np.float64)
 
     def content(self) -> dict[str, Any]:
         """The figures as plain data."""
-        arrays = {name: getattr(self, name).tolist() for name in _SHAPES}
+        arrays = {name: getattr(self, name).tolist() for name in (*_SHAPES, *_BODIES)}
         return {"logs": list(self.logs), "held_out": self.held_out, **arrays}
 
     @classmethod
@@ -52,6 +58,12 @@ class Healthy:
             if array.shape != (n, *tail):
                 raise ValueError(f"{name}: expected shape {(n, *tail)}, got {array.shape}")
             arrays[name] = array
+        for name in _BODIES:
+            arrays[name] = np.array(content.get(name, []), dtype=np.float64)
+        k = arrays["bodies_off"].size
+        if arrays["bodies_covariance"].size != k * k:
+            raise ValueError(f"bodies_covariance: expected {k} by {k} numbers")
+        arrays["bodies_covariance"] = arrays["bodies_covariance"].reshape(k, k)
         logs = tuple(str(each) for each in content["logs"])
         return cls(logs=logs, held_out=bool(content["held_out"]), **arrays)
 
@@ -68,6 +80,8 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "density": (CHARTS,),
     "bias": (CHARTS,),
 }
+
+_BODIES = ("bodies_off", "bodies_covariance")
 
 _UNKNOWN: dict[str, list[Any]] = {"friction_off": [[0.0, 0.0]], "speed": [1.0]}
 """Per joint, in models that were written before these were kept."""

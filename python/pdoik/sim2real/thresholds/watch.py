@@ -24,6 +24,11 @@ class WatchThresholds(Group):
         "the same share within a day, of a minute: friction is learnt while it is watched",
         source="drives that warm up: 10 to 30 % in an hour",
     )
+    bodies: float = threshold(
+        0.05,
+        "share of a link's mass and moments by which the model's are off, before healthy logs",
+        source="CAD without cables and screws: 1 to 10 %",
+    )
     told_within: float = threshold(
         1.0, "time after which a change of the smallest size that is looked for is reported", "s"
     )

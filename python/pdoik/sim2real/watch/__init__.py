@@ -12,7 +12,7 @@ from .cusum import Cusum, average_run_length, threshold_for
 from .of_study import with_floor
 from .residuals import ResidualRows, Residuals, joined
 from .tail import Folder, Piece, Tail
-from .today import FrictionToday
+from .today import OrdinaryToday
 from .watch import Watch
 from .windows import Rows, Windows
 
@@ -24,7 +24,7 @@ __all__ = [
     "Cusum",
     "Figure",
     "Folder",
-    "FrictionToday",
+    "OrdinaryToday",
     "Piece",
     "ResidualRows",
     "Residuals",

@@ -15,10 +15,13 @@ from ..model import CHARTS, VARIANCE, Healthy, Model
 from ..motion import noise_of, thinned
 from ..thresholds import WatchThresholds
 from .residuals import ResidualRows, Residuals, friction_columns, joined
+from .today import OrdinaryToday
 from .windows import Rows, Windows
 
-_BLOCK = 10.0  # over which a column's coefficient is looked at [s]
+_BLOCK = 10.0  # numerics: over which a column's coefficient is looked at [s]
 _SURE = 0.05  # probability that the density is even higher than it is held to be
+_MOVED = 0.2  # numerics: share of a block without which it says nothing
+_ROUNDS = 2  # numerics: of bodies and floor in turn
 _LEAST_VARIANCE = 1e-12  # [(N m)^2]
 
 
@@ -51,7 +54,22 @@ def calibrated(
         raise ValueError(f"{', '.join(names)}: too short to estimate the residual's floor from")
     rubbing = [residuals.friction(residuals.motion(thinned(each))) for each in recordings]
     friction = np.array([_rms(f) for f in np.concatenate(rubbing).T])
-    healthy = _healthy(runs, limits, noise, names, held_out, friction)
+    n = len(noise)
+    empty = Healthy(
+        logs=names,
+        held_out=held_out,
+        position_noise=noise,
+        seconds=np.zeros(n),
+        variance=np.zeros((n, VARIANCE)),
+        friction=friction,
+        friction_off=np.zeros((n, 2)),
+        speed=np.ones(n),
+        **{each: np.ones((n, CHARTS)) for each in ("scale", "power", "density", "bias")},
+        bodies_off=np.zeros(0),
+        bodies_covariance=np.zeros((0, 0)),
+    )
+    scale = [residuals.body.inertial_scale(k) for k in range(len(residuals.body.links))]
+    healthy = _healthy(runs, empty, limits, limits.bodies * np.concatenate(scale))
     if not (healthy.seconds >= limits.least_motion).any():
         longest = float(healthy.seconds.max())
         raise ValueError(
@@ -89,15 +107,41 @@ def _rows_of(residuals: Residuals, recording: Recording) -> ResidualRows | None:
 
 
 def _healthy(
-    runs: list[ResidualRows],
-    limits: WatchThresholds,
-    noise: FloatArray,
-    names: tuple[str, ...],
-    held_out: bool,
-    friction: FloatArray,
+    runs: list[ResidualRows], empty: Healthy, limits: WatchThresholds, bodies: FloatArray
 ) -> Healthy:
-    n = len(noise)
-    off = np.stack([_friction_off(run, friction) for run in runs])  # (R, n, 2)
+    """The floor of what friction and bodies, as they were in each log, do not explain.
+
+    How much the logs say of the bodies depends on the floor, and the floor on what is left by the
+    bodies: so both are worked out twice.
+
+    Args:
+        runs: rows of the logs.
+        empty: what is known of the logs before.
+        limits: thresholds.
+        bodies: (k,) standard deviations of the links' parameters.
+    """
+    healthy = _floor(runs, empty, limits)
+    for _ in range(_ROUNDS):
+        known = replace(
+            healthy, bodies_off=np.zeros_like(bodies), bodies_covariance=np.diag(bodies**2)
+        )
+        for run in runs:
+            today = OrdinaryToday(known, limits)
+            before, _ = today.torque(friction_columns(run), run.bodies)
+            made = replace(run, residual=run.residual - before)
+            today.learn(made, np.full(len(known.speed), np.inf))
+            known = replace(
+                known, bodies_off=today.bodies, bodies_covariance=today.bodies_covariance
+            )
+        left = [replace(run, residual=run.residual - run.bodies @ known.bodies_off) for run in runs]
+        healthy = _floor(left, known, limits)
+    return healthy
+
+
+def _floor(runs: list[ResidualRows], known: Healthy, limits: WatchThresholds) -> Healthy:
+    """What is left of rows by the friction of each log."""
+    n = len(known.friction)
+    off = np.stack([_friction_off(run, known.friction) for run in runs])  # (R, n, 2)
     runs = [
         replace(run, residual=run.residual - np.einsum("tjk,jk->tj", friction_columns(run), each))
         for run, each in zip(runs, off, strict=True)
@@ -130,13 +174,10 @@ def _healthy(
             power[j, c] = np.sum(np.concatenate(column) ** 2) / len(residual)
             density[j, c] = _density(runs, column, score, limits.memory)
             bias[j, c] = _bias(runs, column, score)
-    return Healthy(
-        logs=names,
-        held_out=held_out,
-        position_noise=noise,
+    return replace(
+        known,
         seconds=seconds,
         variance=variance,
-        friction=friction,
         friction_off=off.mean(axis=0),
         speed=speed,
         scale=scale,
@@ -211,7 +252,7 @@ def _bias(runs: list[ResidualRows], column: list[FloatArray], score: list[FloatA
         for at in range(0, max(len(x) - length // 2, 1), length):
             part = slice(at, at + length)
             squared = float(x[part] @ x[part])
-            if np.count_nonzero(x[part]) * run.step > 0.2 * _BLOCK:
+            if np.count_nonzero(x[part]) * run.step > _MOVED * _BLOCK:
                 found.append(float(np.sum(y[part])) / squared)
     return _rms(np.array(found)) if found else 0.0
 

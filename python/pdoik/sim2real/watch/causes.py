@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, fields, replace
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..effects import CATALOGUE, Effect
-from ..effects.bodies import Payload
+from ..effects.bodies import LinkInertials, Payload
 from ..effects.contacts import ExternalContact
 from ..effects.drives import TorqueGain
 from ..effects.friction import CoulombFriction, ViscousFriction
@@ -30,18 +30,18 @@ from ..identify import (
 )
 from ..model import places_of
 from ..motion import Balances, Key, Motion, Place, Shape
-from ..regression import Term, term_of
+from ..regression import TRUST, Term, term_of
 from ..thresholds import Thresholds
 from .alarm import Cause, Figure
-from .calibrate import variance_of
 from .changes import Change
 from .charts import Charts
 from .residuals import ResidualRows, Residuals
 from .windows import NAME
 
 _ALWAYS = (-np.inf, np.inf)
-_SMEARED = 0.5  # periods of the cut-off over which the filter smears an onset
-_NEAR = 1.0  # of the CUSUM's onset, within which a better one is looked for [s]
+_SHOWN = 0.1  # numerics: of its noise, by which a direction of the bodies moves some row
+_SMEARED = 0.5  # numerics: periods of the cut-off over which the filter smears an onset
+_NEAR = 1.0  # numerics: of the CUSUM's onset, within which a better one is looked for [s]
 _STILL_THERE = 0.1  # share of a change by which an effect that has gone may seem to overshoot
 _MOVES = 12  # at most, from one set of causes to another
 
@@ -95,7 +95,7 @@ class RowsSince:
         row = np.minimum(np.searchsorted(known.time, self.time - 1e-6), len(known.time) - 1)
         nearby = np.abs(known.time[row] - self.time) < known.step
         healthy, series = charts.healthy, {}
-        weight = 1.0 / np.sqrt(variance_of(healthy, known.features[row]))  # (N, n)
+        weight = 1.0 / np.sqrt(healthy.variance_at(known.features[row]))  # (N, n)
         for j in np.flatnonzero(charts.watched).tolist():
             key: Key = ("torque", j)
             self._counts[key] = nearby & known.moving[row, j]
@@ -120,15 +120,15 @@ class RowsSince:
         """The kernel's, with the noise of the healthy machine, which is known."""
         return Model(self.data, hypotheses, self._healthy, rounds=0)
 
+    def over_noise(self, columns: Mapping[Key, FloatArray]) -> dict[Key, FloatArray]:
+        """Columns over the healthy noise, of the joints that are watched."""
+        own = self._weight
+        return {key: each * own[key][:, None] for key, each in columns.items() if key in own}
+
     def whitened(self, hypothesis: Hypothesis) -> Hypothesis:
         """A hypothesis with its columns over the healthy noise."""
         term = hypothesis.term
-        columns = {
-            key: column * self._weight[key][:, None]
-            for key, column in term.columns.items()
-            if key in self._weight
-        }
-        return replace(hypothesis, term=replace(term, columns=columns))
+        return replace(hypothesis, term=replace(term, columns=self.over_noise(term.columns)))
 
     def onset(self, model: Model, causes: Sequence[Hypothesis], about: float) -> float:
         """The time from which on the causes leave least, near another one [s]."""
@@ -261,11 +261,43 @@ class CauseSearch:
         )
 
     def _today(self, rows: RowsSince) -> Iterator[Hypothesis]:
-        """Friction of each joint is not quite what is known of it today."""
-        for part in self._residuals.today:
-            term = term_of(rows.balances, CATALOGUE[part.effect], part.place, part.shape)
-            if term is not None:
-                yield rows.whitened(ordinary(term, np.sqrt(part.covariance[0])))
+        """Friction and bodies are not quite what is known of them today."""
+        today = self._charts.today
+        for j in np.flatnonzero(self._charts.healthy.friction > 0.0).tolist():
+            sizes = np.sqrt(np.diag(today.friction_covariance(j)))
+            kinds = (CoulombFriction.id, (0.0,)), (ViscousFriction.id, ())
+            for (effect, shape), size in zip(kinds, sizes, strict=True):
+                term = term_of(rows.balances, CATALOGUE[effect], Place(joints=(j,)), shape)
+                if term is not None:
+                    yield rows.whitened(ordinary(term, size))
+        yield from self._bodies(rows, today.bodies_covariance)
+
+    def _bodies(self, rows: RowsSince, covariance: FloatArray) -> Iterator[Hypothesis]:
+        """Directions in which the links' parameters are uncertain, each by one standard deviation.
+
+        Those that move no row by a tenth of its noise are left out.
+        """
+        effect, links = CATALOGUE[LinkInertials.id], range(len(covariance) // 10)
+        terms = [term_of(rows.balances, effect, Place(link=link), ()) for link in links]
+        square, vectors = np.linalg.eigh(covariance)
+        directions = vectors * np.sqrt(np.maximum(square, 0.0))  # (k, k)
+        columns: dict[Key, FloatArray] = {}
+        for link, term in enumerate(terms):
+            for key, column in {} if term is None else term.columns.items():
+                part = column @ directions[10 * link : 10 * link + 10]
+                columns[key] = columns.get(key, 0.0) + part
+        columns = rows.over_noise(columns)
+        moved = [np.abs(column).max(axis=0) for column in columns.values()]
+        shown = np.max(moved, axis=0, initial=0.0) > _SHOWN
+        if shown.any():
+            term = Term(
+                effect=TRUST,
+                place=Place(),
+                shape=(),
+                columns={key: column[:, shown] for key, column in columns.items()},
+                prior=np.ones(int(np.count_nonzero(shown))),
+            )
+            yield ordinary(term, 1.0)
 
     def _changed(self, rows: RowsSince) -> Iterator[Hypothesis]:
         """What may begin at a time, a load, a push: as likely of every kind, loads more often."""

@@ -10,10 +10,9 @@ from pdoik.recordings import FloatArray
 
 from ..model import Healthy
 from ..thresholds import WatchThresholds
-from .calibrate import variance_of
 from .cusum import Cusum, threshold_for
 from .residuals import CHART_EFFECTS, ResidualRows
-from .today import FrictionToday
+from .today import OrdinaryToday
 
 DAY = 86400.0  # [s]
 _SIGNS = np.array([1.0, -1.0])
@@ -42,7 +41,7 @@ class Charts:
             raise ValueError("no joint moves long enough in the healthy logs to be watched")
         self.smallest, self.threshold = self._design()
         self.cusum = Cusum((*self.smallest.shape, 2))
-        self.today = FrictionToday(healthy, thresholds)
+        self.today = OrdinaryToday(healthy, thresholds)
 
     def _design(self) -> tuple[FloatArray, float]:
         """The smallest change that each chart looks for, (n, 3) [N m], and the threshold of all.
@@ -93,7 +92,7 @@ class Charts:
         that no crossing rests on less than a short time: what jumps for a sample is no change.
         """
         h = self.healthy
-        sigma = np.sqrt(variance_of(h, rows.features))  # (N, n)
+        sigma = np.sqrt(h.variance_at(rows.features))  # (N, n)
         x = rows.columns / (h.scale * sigma[:, :, None])
         score = x * (_beyond(rows) / sigma)[:, :, None]  # (N, n, 3)
         change = self.smallest * rows.step / h.density

@@ -16,7 +16,7 @@ from pdoik.recordings.logs import Column, CsvForm, is_number, numbers
 from pdoik.recordings.names import Known, listed, settle
 
 _TORN = 0.1  # share of a piece's lines that may hold no numbers, as where a file was cut off
-_LONGEST = 1 << 20  # bytes of a line
+_LONGEST = 1 << 20  # numerics: bytes of a line
 
 
 class CsvStream:

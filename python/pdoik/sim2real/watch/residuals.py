@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,16 +42,17 @@ class ResidualRows:
     residual: FloatArray  # (N, n) measured less the model and what has changed [N m]
     allowed: FloatArray  # (N, n) of it, that what is known of friction and changes leaves open
     columns: FloatArray  # (N, n, 3) of the charts
+    bodies: FloatArray  # (N, n, k) torques per unit of the links' inertial parameters
     features: FloatArray  # (N, n, 4) that the noise's variance depends on
     moving: NDArray[np.bool_]  # (N, n) where a row says something
 
-    def __getitem__(self, part: slice) -> ResidualRows:
+    def __getitem__(self, part: slice | NDArray[np.bool_]) -> ResidualRows:
         """Some of them."""
         changed = {name: getattr(self, name)[part] for name in _ARRAYS}
         return replace(self, **changed)
 
 
-_ARRAYS = ("time", "residual", "allowed", "columns", "features", "moving")
+_ARRAYS = ("time", "residual", "allowed", "columns", "bodies", "features", "moving")
 
 
 def friction_columns(rows: ResidualRows) -> FloatArray:
@@ -65,6 +67,13 @@ def joined(parts: Iterable[ResidualRows]) -> ResidualRows:
 
     stacked = {name: np.concatenate([getattr(each, name) for each in all_of]) for name in _ARRAYS}
     return ResidualRows(step=all_of[0].step, **stacked)
+
+
+class Ordinary(Protocol):
+    """What every machine differs by from its model, as it is known today."""
+
+    def torque(self, friction: FloatArray, bodies: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Its torque and the variance of that, (T, n), by columns (T, n, 2) and (T, n, k)."""
 
 
 class Residuals:
@@ -88,7 +97,7 @@ class Residuals:
         self.model = replace(model, findings=lasting)
         self.cutoff = model.cutoff
         self.changes: tuple[Change, ...] = ()
-        self.today: tuple[Change, ...] = ()  # friction as it is today, less the model's
+        self.today: Ordinary | None = None  # friction and bodies as they are, less the model's
         self.body = body
         self._noise = position_noise
         self._slides = np.full(len(model.joints), slides)
@@ -110,9 +119,11 @@ class Residuals:
         """The same with all changes that are known, and by how much these may be off, (T, n)."""
         motion = self.motion(recording)
         changed, variance = torque_of_changes(self.changes, motion)
-        rubs, varies = torque_of_changes(self.today, motion)
-        allowed = _SURE * np.sqrt(variance) + AT_MOST * np.sqrt(varies)
-        return replace(motion, tau=motion.tau + changed + rubs), allowed
+        allowed = _SURE * np.sqrt(variance)
+        if self.today is not None:
+            off, varies = self.today.torque(_friction(motion), _bodies(motion))
+            changed, allowed = changed + off, allowed + AT_MOST * np.sqrt(varies)
+        return replace(motion, tau=motion.tau + changed), allowed
 
     def rows(self, window: Window) -> ResidualRows:
         """The rows of a window's core."""
@@ -121,7 +132,8 @@ class Residuals:
         assert motion.torque is not None
         first, step = _core(window, motion)
         columns = np.stack([_columns(motion, j) for j in range(motion.n)], axis=1)  # (T, n, 3)
-        raw = np.concatenate([(motion.torque - motion.tau)[:, :, None], columns], axis=2)
+        off = (motion.torque - motion.tau)[:, :, None]
+        raw = np.concatenate([off, columns, _bodies(motion)], axis=2)
         filtered = zero_phase(raw, motion.cutoff, motion.period)[first]
         inertia = np.diagonal(motion.mass_matrix, axis1=1, axis2=2) + self.body.rotor
         features = np.stack(
@@ -135,7 +147,8 @@ class Residuals:
             step=step,
             residual=filtered[:, :, 0],
             allowed=allowed[first],
-            columns=filtered[:, :, 1:],
+            columns=filtered[:, :, 1 : 1 + len(CHART_EFFECTS)],
+            bodies=filtered[:, :, 1 + len(CHART_EFFECTS) :],
             features=features[first],
             moving=moving[first],
         )
@@ -179,3 +192,18 @@ def _columns(motion: Motion, j: int) -> FloatArray:
         for effect, shape in CHART_EFFECTS
     )
     return np.stack(list(made), axis=1)
+
+
+def _friction(motion: Motion) -> FloatArray:
+    """Direction and speed of each joint, (T, n, 2)."""
+    rubs = CATALOGUE[CoulombFriction.id]
+    direction = [
+        rubs.columns(motion, Place(joints=(j,)), (0.0,))["torque", j][:, 0] for j in range(motion.n)
+    ]
+    return np.stack([np.stack(direction, axis=1), motion.dq], axis=2)
+
+
+def _bodies(motion: Motion) -> FloatArray:
+    """Torques per unit of the ten inertial parameters of every link, (T, n, 10 L)."""
+    regressor = motion.regressor()
+    return regressor.reshape(*regressor.shape[:2], -1)

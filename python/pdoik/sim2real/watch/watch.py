@@ -72,7 +72,7 @@ class Watch:
         self._limits = limits
         self._residuals = Residuals(model, model.healthy.position_noise, limits.slides)
         self._charts = Charts(model.healthy, limits)
-        self._residuals.today = self._charts.today.changes
+        self._residuals.today = self._charts.today
         self._causes = CauseSearch(self._residuals, self._charts, every)
         self._windows = Windows(len(model.joints), self._residuals.cutoff)
         self._source = ""
@@ -131,7 +131,6 @@ class Watch:
         self._last = -np.inf
         self._charts.cusum.since[:] = -np.inf
         self._charts.today.reset()
-        self._residuals.today = self._charts.today.changes
         return alarms
 
     def _recorded(self, recording: Recording) -> Rows:
@@ -181,7 +180,6 @@ class Watch:
                 return
             used, crossing, _ = self._charts.update(rows)
             if crossing is None:
-                self._residuals.today = self._charts.today.changes
                 return
             rows = rows[used:]
             if (past := self._same(crossing)) is not None:

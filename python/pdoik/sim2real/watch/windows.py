@@ -17,11 +17,11 @@ from ..motion import thinned
 NAME = "watched"
 """Every window's name as a recording."""
 
-_FIRST = 50  # rows from which a stream's rate is known
+_FIRST = 50  # numerics: rows from which a stream's rate is known
 _FILTERED = 2.0  # periods of the cut-off by which a window reaches beyond its core
 _CORE = 0.5  # shortest core [s]
-_LOWEST = 0.4  # highest cut-off as a share of the rate, as in `predict`
-_OTHER_RATE = 1.5  # factor from which a stream's rate is another one
+_LOWEST = 0.4  # numerics: highest cut-off as a share of the rate, as in `predict`
+_OTHER_RATE = 1.5  # numerics: factor from which a stream's rate is another one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -15,7 +15,9 @@ pytest.importorskip("pinocchio", reason="pip install 'pdoik[sim2real]'")
 pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Alarm, Model, Watch, calibrated, model_of, predict
+from pdoik.sim2real.model import body_of
 from pdoik.sim2real.motion import zero_phase
+from pdoik.sim2real.thresholds import WatchThresholds
 from pdoik.sim2real.watch import Residuals, Rows, Windows, joined, with_floor
 from watched import Columns, changed, log
 
@@ -110,6 +112,29 @@ def test_alarms_are_the_same_whatever_the_pieces(model: Model, piece: int) -> No
     assert [each.to_json() for each in told(model, cut(columns, piece))] == [
         each.to_json() for each in whole
     ]
+
+
+def test_links_that_are_off_are_learnt_from_healthy_logs(model: Model, examination: Any) -> None:
+    """The floor is that of the right model, and a healthy log is no alarm."""
+    recording = examination.prepared.study.validate[0]
+    body = body_of(model)
+    heavier = {
+        link: ten * factor
+        for link, ten, factor in zip(
+            body.links, body.inertial_parameters(), (1.0, 1.04, 0.96), strict=True
+        )
+    }
+    off = replace(model, rigid_body={**model.rigid_body, **heavier})
+    strict = replace(WatchThresholds(), bodies=1e-6)
+    right, learnt, ignored = (
+        calibrated(each, [recording], thresholds=limits).healthy
+        for each, limits in ((model, None), (off, None), (off, strict))
+    )
+    assert right is not None and learnt is not None and ignored is not None
+    worst = np.argmax(ignored.bias[:, 0])
+    assert ignored.bias[worst, 0] > 3.0 * right.bias[worst, 0]
+    assert (learnt.bias < 1.5 * right.bias + 0.005).all()
+    assert told(replace(off, healthy=learnt), [log(12, 60.0)]) == []
 
 
 def test_a_gap_and_a_rest_are_no_change(model: Model) -> None:

@@ -13,7 +13,7 @@ pytest.importorskip("pyarrow", reason="pip install 'pdoik[sim2real]'")
 
 from pdoik.sim2real import Alarm, Model, Thresholds, Watch, model_of
 from pdoik.sim2real.model import Healthy
-from pdoik.sim2real.watch import Cause, FrictionToday, ResidualRows
+from pdoik.sim2real.watch import Cause, OrdinaryToday, ResidualRows
 from watched import Columns, changed, log
 
 SINCE = 12.0
@@ -86,10 +86,12 @@ def healthy() -> Healthy:
         power=ones,
         density=0.1 * ones,
         bias=0.01 * ones,
+        bodies_off=np.zeros(0),
+        bodies_covariance=np.zeros((0, 0)),
     )
 
 
-def rows(first: float, off: np.ndarray, today: FrictionToday) -> ResidualRows:
+def rows(first: float, off: np.ndarray, today: OrdinaryToday) -> ResidualRows:
     """Five seconds of motion whose friction is `off` (2,) from the model's."""
     time = first + 0.03 * np.arange(166)
     speed = 1.5 * np.sin(time)
@@ -98,7 +100,7 @@ def rows(first: float, off: np.ndarray, today: FrictionToday) -> ResidualRows:
     columns[:, 0, 1] = np.sign(speed)
     features = np.ones((len(time), 1, 4))
     features[:, 0, 1] = speed**2
-    known = today.mean[0]
+    known = today.friction[0]
     friction = np.sign(speed) * (off[0] - known[0]) + speed * (off[1] - known[1])
     return ResidualRows(
         time=time,
@@ -106,23 +108,24 @@ def rows(first: float, off: np.ndarray, today: FrictionToday) -> ResidualRows:
         residual=(friction + noise)[:, None],
         allowed=np.zeros((len(time), 1)),
         columns=columns,
+        bodies=np.zeros((len(time), 1, 0)),
         features=features,
         moving=np.ones((len(time), 1), dtype=np.bool_),
     )
 
 
 def test_todays_friction_is_learnt_from_rows_that_no_chart_doubts() -> None:
-    today, truth = FrictionToday(healthy(), Thresholds().watch), np.array([0.08, -0.05])
+    today, truth = OrdinaryToday(healthy(), Thresholds().watch), np.array([0.08, -0.05])
     for k in range(12):
         first = 5.0 * k
         today.learn(rows(first, truth, today), np.full(1, first))
-    std = np.sqrt(np.diag(today.covariance[0]))
-    assert (np.abs(today.mean[0] - truth) < 3.0 * std).all()
+    std = np.sqrt(np.diag(today.friction_covariance(0)))
+    assert (np.abs(today.friction[0] - truth) < 3.0 * std).all()
     assert (std < 0.02).all()
-    learnt = today.mean.copy()
+    learnt = today.friction.copy()
     for k in range(12, 24):  # the charts doubt all that comes after a minute
         today.learn(rows(5.0 * k, truth + 1.0, today), np.full(1, 60.0))
-    np.testing.assert_allclose(today.mean, learnt, atol=0.01)
+    np.testing.assert_allclose(today.friction, learnt, atol=0.01)
     assert len(today._waiting) <= 14  # memory is constant
     today.reset()
-    assert not today.mean.any()
+    assert not today.friction.any()
