@@ -2,9 +2,11 @@
 
 python tests/deciding.py        prints the places where one does not, and fails if there are any
 
-A number decides where something is compared with it: a literal, or a constant of a module. Zero, one and two are
-no choices. What only says how finely or how long an algorithm works is no decision either: such a constant says so
-in its comment, which begins with "numerics:".
+A number decides where something is compared with it: a literal, or a constant of a module. Zero
+and one are no choices, nor are the few rows that a fit needs, rounding, and what is as good as
+endless. What only says how finely or how long an algorithm works decides nothing either: such a
+constant says so in its comment, which begins with "numerics:". What an effect needs of its data is
+part of the effect, in its class.
 """
 
 import ast
@@ -14,8 +16,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent / "python" / "pdoik" / "sim2real"
 TABLE = ROOT / "thresholds"
-DRAWS = ROOT / "report"  # decides what is drawn, not what is said
+OTHERS = (ROOT / "report", ROOT / "effect_check")  # what is drawn, and tests of effects
 NO_CHOICE = (0.0, 1.0, 2.0)
+FEW, ROUNDING, ENDLESS = 10, 1e-6, 1e6
 ORDERS = (ast.Lt, ast.Gt, ast.LtE, ast.GtE)
 
 
@@ -30,7 +33,7 @@ def main() -> None:
 
 def deciding(path: Path) -> Iterator[str]:
     """Comparisons of a file that a number outside of the table decides."""
-    if TABLE in path.parents or DRAWS in path.parents:
+    if any(room in path.parents for room in (TABLE, *OTHERS)):
         return
     text = path.read_text()
     tree, lines = ast.parse(text), text.splitlines()
@@ -49,7 +52,9 @@ def constants_of(tree: ast.Module, lines: list[str]) -> Iterator[str]:
             continue
         target = node.targets[0] if isinstance(node, ast.Assign) else node.target
         said = " ".join(lines[max(node.lineno - 2, 0) : node.end_lineno])
-        if isinstance(target, ast.Name) and is_number(node.value) and "numerics:" not in said:
+        if not isinstance(target, ast.Name) or not is_number(node.value) or "numerics:" in said:
+            continue
+        if not (isinstance(node.value, ast.Constant) and is_no_choice(node.value.value)):
             yield target.id
 
 
@@ -68,8 +73,14 @@ def numbers_in(side: ast.expr, constants: set[str]) -> Iterator[str]:
         if isinstance(each, ast.Name) and each.id in constants:
             yield each.id
         elif isinstance(each, ast.Constant) and isinstance(each.value, int | float):
-            if not isinstance(each.value, bool) and abs(each.value) not in NO_CHOICE:
-                yield str(each.value)
+            yield from () if is_no_choice(each.value) else (str(each.value),)
+
+
+def is_no_choice(value: float) -> bool:
+    """Whether a number is a bound by its nature."""
+    size = abs(value)
+    few = isinstance(value, int) and size < FEW
+    return isinstance(value, bool) or few or size in NO_CHOICE or not ROUNDING < size < ENDLESS
 
 
 def factors(node: ast.expr) -> Iterator[ast.expr]:

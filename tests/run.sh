@@ -14,6 +14,7 @@ stage_lint() {
   find cpp tests bench python/bindings -regex '.*\.[chi]\(pp\|nl\)' -print0 |
     xargs -0 .venv/bin/clang-format --dry-run -Werror
   .venv/bin/python tests/faces.py
+  .venv/bin/python tests/deciding.py
   .venv/bin/python python/bindings/option_fields.py --check
   bash python/bindings/stubs.sh --check
 }

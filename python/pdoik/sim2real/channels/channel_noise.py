@@ -19,11 +19,11 @@ ComplexArray = NDArray[np.complex128]
 _LENGTH = 256  # samples of a segment
 _LOW, _HIGH = 0.5, 0.95  # of Nyquist's frequency, where motion is over
 _HIGH_THINNED = 0.7  # above, the filter before thinning has taken its part
-_UNEVEN = 1e-3  # jitter over period from which rows were interpolated to the grid
+_UNEVEN = 1e-3  # numerics: jitter over period from which rows were interpolated to the grid
 _MOTION = 10.0  # [Hz], below which a robot moves
 _LEAST_GAIN = 0.01
 _QUIET = 0.25  # of the frequencies
-_SHORTEST = 32  # samples of which a spectrum can be made
+_SHORTEST = 32  # numerics: samples of which a spectrum can be made
 _OVERLAP = 1.3  # by which errors grow as segments overlap by half
 
 

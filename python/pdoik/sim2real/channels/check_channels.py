@@ -16,6 +16,9 @@ from ..study import Study
 from .factors_by_model import factors_by_model
 from .noisy_channels import noisy_channels
 
+_SETTLING = 0.5  # numerics: in which filters settle [s]
+_FEWEST = 30  # numerics: rows of a fit
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ChannelCheck:
@@ -66,7 +69,7 @@ def _torque_of_current(prepared: Prepared) -> tuple[Study, list[str]]:
         if ("torque", j) not in b.residual or not b.excited[j]:
             continue
         current, A = _rows(b, j, [_own(m, j) for m in b.motions])
-        if len(current) >= 30 and np.any(A[:, 0]):
+        if len(current) >= _FEWEST and np.any(A[:, 0]):
             slope = float(np.linalg.lstsq(A, current, rcond=None)[0][0])
             constants[j] = 1.0 / slope if slope else np.nan
 
@@ -130,7 +133,7 @@ def _limited(b: Balances, j: int) -> bool:
 def _factor(b: Balances, j: int, columns: list[FloatArray]) -> tuple[float, float] | None:
     """Joint j's torque over the first column, the others fitted too; None where it is near one."""
     limits, (torque, A) = b.thresholds.channels, _rows(b, j, columns)
-    if len(torque) < 30 or not np.any(A[:, 0]):
+    if len(torque) < _FEWEST or not np.any(A[:, 0]):
         return None
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-12
     inverse = np.linalg.inv((A / scale).T @ (A / scale) + 1e-6 * len(A) * np.eye(len(scale)))
@@ -177,7 +180,7 @@ def _copies_model(b: Balances, body: RigidBody) -> bool:
         if m.q_des is None or m.torque is None:
             return False
         planned = _planned(m, body)
-        good = m.valid & (np.arange(len(m.time)) * m.period > 0.5)
+        good = m.valid & (np.arange(len(m.time)) * m.period > _SETTLING)
         good &= good[::-1]
         for j in range(m.n):
             if not b.excited[j] or ("torque", j) not in b.floor:

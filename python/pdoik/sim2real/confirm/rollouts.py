@@ -26,7 +26,7 @@ from ..study import Study, part
 
 STEPS = 60_000  # of the simulation, of all recordings together
 _STEP = 1e-3  # [s]
-FAR = 4.0  # sigmas, beyond which what is left counts linearly
+FAR = 4.0  # numerics: sigmas, beyond which what is left counts linearly
 
 Values = dict[str, float]
 _NONE = np.zeros(0)

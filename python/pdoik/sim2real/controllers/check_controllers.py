@@ -106,7 +106,8 @@ def _notes(
         if drive_in_words(each, motor is not None and motor.given):
             notes.append(drive_in_words(each, motor is not None and motor.given))
         if load is not None:
-            notes.append(in_words(each.joint, load, study.rotor_inertia is not None))
+            sure = study.thresholds.diagnosis.sure
+            notes.append(in_words(each.joint, load, study.rotor_inertia is not None, sure))
         if not known and each.untellable:
             notes.append(f"{each.joint}: {'; '.join(each.untellable)}.")
     for j, name in enumerate(study.joints):

@@ -18,7 +18,7 @@ _MOST = 5  # terms that are added
 _KNEES = (0.1, 0.25, 0.5, 0.75)  # quantiles of the position error at which a table may bend
 _FED = ("rate", "gravity", "inertia")  # forward
 _NOISES = 4.0  # within which a noisy top is flat
-_FIRST = 1.0  # by which a recording's own constant is learnt where it is judged [s]
+_FIRST = 1.0  # numerics: by which a recording's own constant is learnt where it is judged [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -29,8 +29,7 @@ _TOP = 0.999  # quantile that is the highest
 _LEAST = 0.02  # of the stall torque, that a line does not fall below
 _BLUR = 0.03  # share of it within which an effort is at a limit: filters, and sensors' zeros
 _NOISES = 2.0  # the same in errors of the law where nothing cuts it off
-_MOST_OVER = 0.1  # share of what is at a limit that may lie over it
-_MOST_AT = 0.6  # share of all that may be at it
+_KNOWN = 0.9  # numerics: share of a no-load speed up to which efforts say how high a line lies
 _TURNS = 10  # of rows and figures
 
 
@@ -72,6 +71,7 @@ class _Rows:
     effort: FloatArray
     speed: FloatArray
     parts: tuple[slice, ...]
+    limits: ControllerThresholds
     noise: float = 0.0  # what the law leaves where nothing cuts it off
 
     def near(self, limit: Limit) -> float:
@@ -100,7 +100,7 @@ class _Cut:
 
 def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> CutOff | None:
     """The limit of joint j's drive; None where it shows none."""
-    rows = _rows(strips)
+    rows = _rows(strips, limits)
     if rows is None:
         return None
     free = rows.model()
@@ -136,9 +136,9 @@ def cut_off(j: int, strips: Sequence[Strip], limits: ControllerThresholds) -> Cu
     )
 
 
-def gained_by(cut: CutOff, strips: Sequence[Strip]) -> Gained:
+def gained_by(cut: CutOff, strips: Sequence[Strip], limits: ControllerThresholds) -> Gained:
     """What the limit takes from what a law leaves of other recordings; nothing if it shows none."""
-    rows = _rows(strips)
+    rows = _rows(strips, limits)
     other = None if rows is None else _turned(rows, cut.limit, _at(rows, cut.limit))
     if rows is None or other is None:
         return Gained(by=np.zeros(1), of=np.zeros(1))
@@ -158,7 +158,7 @@ def _below(strips: Sequence[Strip], rows: _Rows, limit: Limit) -> list[Strip]:
     return kept
 
 
-def _rows(strips: Sequence[Strip]) -> _Rows | None:
+def _rows(strips: Sequence[Strip], limits: ControllerThresholds) -> _Rows | None:
     """Rows of all strips; None where there are too few."""
     law = explicit(strips)
     if len(law) < 2 * law.shape[1]:
@@ -168,7 +168,7 @@ def _rows(strips: Sequence[Strip]) -> _Rows | None:
         for name in ("effort", "dq")
     )
     parts = parts_of([len(strip.picked) for strip in strips])
-    return _Rows(law=law, effort=effort, speed=speed, parts=parts)
+    return _Rows(law=law, effort=effort, speed=speed, parts=parts, limits=limits)
 
 
 def _usual(left: FloatArray) -> float:
@@ -185,7 +185,7 @@ def _best(rows: _Rows) -> _Cut | None:
     for share in _FASTEST:
         no_load = max(share * fastest, 1e-12)
         along = speed / no_load
-        known = along < 0.9
+        known = along < _KNOWN
         levels = np.quantile(size[known] / (1.0 - along[known]), _REACHED)
         lines += [Limit(level=float(level), fall=1.0 / no_load) for level in levels]
     found = []
@@ -219,7 +219,7 @@ def _at(rows: _Rows, limit: Limit, asked: FloatArray | None = None) -> NDArray[n
 
 def _turned(rows: _Rows, limit: Limit, at: NDArray[np.bool_]) -> _Cut | None:
     """Law and limit fitted with these rows at it; None where nothing is cut off."""
-    if at.sum() < rows.law.shape[1] // 4 + 4 or at.mean() > _MOST_AT:
+    if at.sum() < rows.law.shape[1] // 4 + 4 or at.mean() > rows.limits.most_at:
         return None
     sign, share = np.sign(rows.effort), at.astype(np.float64)
     parameters = [Parameter(name="level", columns=share * sign, positive=True)]
@@ -234,7 +234,7 @@ def _turned(rows: _Rows, limit: Limit, at: NDArray[np.bool_]) -> _Cut | None:
     asked = rows.law @ model.of("law")
     most = new.most(sign * rows.speed)
     over = np.abs(rows.effort) > most + rows.near(new)
-    if np.median((sign * asked - most)[at]) <= 0.0 or over[at].mean() > _MOST_OVER:
+    if np.median((sign * asked - most)[at]) <= 0.0 or over[at].mean() > rows.limits.most_over:
         return None
     most = new.most(np.sign(asked) * rows.speed)
     return _Cut(limit=new, model=model, asked=asked, left=rows.effort - np.clip(asked, -most, most))

@@ -31,8 +31,6 @@ from .lateness import Late
 from .linear_law import Gained, Strip, followed, strips_of
 from .rows import effort_of, pieces_of
 
-_AS_GIVEN = 0.9  # of the limit that the robot's description has, from which one is no news
-
 Values = dict[str, tuple[float, float]]
 """Figures with their errors."""
 
@@ -108,7 +106,9 @@ def _given(prepared: Prepared, j: int, level: float) -> bool:
     if study.robot is None:
         return False
     facts = robot_facts(study.robot).joints.get(study.joints[j])
-    return bool(facts and facts.effort and level > _AS_GIVEN * facts.effort)
+    return bool(
+        facts and facts.effort and level > study.thresholds.controllers.as_given * facts.effort
+    )
 
 
 def _top(prepared: Prepared, j: int) -> Finding | None:
@@ -148,7 +148,7 @@ def _cut(drives: Drives, j: int) -> Finding | None:
     cut = cut_off.cut_off(j, drives.fit[j], limits) if _in_torque(prepared, j) else None
     if cut is None or _given(prepared, j, cut.level):
         return None
-    judged = cut_off.gained_by(cut, drives.judges[j]) if j in drives.judges else None
+    judged = cut_off.gained_by(cut, drives.judges[j], limits) if j in drives.judges else None
     return _stated(prepared, j, *_limited(cut), cut.support, judged)
 
 

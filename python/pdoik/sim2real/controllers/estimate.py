@@ -17,9 +17,8 @@ from .feeds import Feeds
 from .law import Fitted
 from .rows import EFFORTS, Piece, effort_of, pieces_of
 
-_RESTING = 50  # samples without a change that are a rest
-_LEAST_HELD = 20  # changes by which a period is found
-_STEADY = 0.8  # share of them that come in time
+_RESTING = 50  # numerics: samples without a change that are a rest
+_LEAST_HELD = 20  # numerics: changes by which a period is found
 _DELAYS = {"effort": "delay", "command": "command_delay", "speed": "speed_delay"}
 _NAMES = {"rate": "kd_command", "ratio": "kp"}
 
@@ -72,7 +71,7 @@ def joint_law(
         return JointLaw(estimate=ControllerEstimate(joint=joint, law="", effort=effort))
     judges = pieces_of(validate, j, effort, feeds, limits) or pieces
     explained, left = _judged(judges, found, limits)
-    gains = _gains(pieces, found, effort, limits.gain_error)
+    gains = _gains(pieces, found, effort, limits)
     believed = explained >= limits.believed and _holds(gains["kp"], limits)
     if not believed:
         gains = {}
@@ -125,7 +124,7 @@ def _judged(
 
 
 def _gains(
-    pieces: Sequence[Piece], found: Chosen, effort: str, least: float
+    pieces: Sequence[Piece], found: Chosen, effort: str, limits: ControllerThresholds
 ) -> dict[str, Estimate]:
     """Figures with their errors, at least a share of them, by name."""
     form, whole, unit = found.law.form, found.law.whole, EFFORTS[effort]
@@ -138,7 +137,9 @@ def _gains(
     for name in names if form.integrates else [*names, "bias"]:
         if not name.startswith("knee"):
             value = whole.value(name)
-            error = float(np.hypot(whole.std(name), 0.0 if name == "bias" else least * value))
+            error = float(
+                np.hypot(whole.std(name), 0.0 if name == "bias" else limits.gain_error * value)
+            )
             result[_NAMES.get(name, name)] = _estimate(value, error, units.get(name, "-"))
     for name in form.nonlinear:
         if name != "ratio":
@@ -147,13 +148,13 @@ def _gains(
     if np.isfinite(found.limit):
         top = 0.001 * found.limit
         result["limit"] = _estimate(found.limit, top, unit)
-    period = held_period(pieces)
+    period = held_period(pieces, limits.steady)
     if period:
         result["period"] = _estimate(period, 0.25 * pieces[0].period, "s")
     return result
 
 
-def held_period(pieces: Sequence[Piece]) -> float:
+def held_period(pieces: Sequence[Piece], steady: float) -> float:
     """Time for which the controller keeps its effort, where the log is faster [s]; else 0."""
     found = []
     for piece in pieces:
@@ -162,7 +163,7 @@ def held_period(pieces: Sequence[Piece]) -> float:
         if len(gaps) < _LEAST_HELD:
             return 0.0
         count = float(np.median(gaps))
-        if count < 2.0 or np.mean(np.abs(gaps - count) < 1.0) < _STEADY:
+        if count < 2.0 or np.mean(np.abs(gaps - count) < 1.0) < steady:
             return 0.0
         found.append(float(np.mean(gaps)) * piece.period)
     return float(np.median(found))

@@ -26,13 +26,12 @@ _LATE: tuple[Late, ...] = ("effort", "command", "speed")
 
 _RATIOS = (0.5, 200.0)  # gains of a position loop around a speed loop [1/s]
 _FREE = ("kp", "kd", "ki", "travel")
-_TRIFLE = 0.15  # of a sample: times that the logging of one channel after the other makes
-_STEP = 2e-4  # by which times are moved for their slopes [s]
+_STEP = 2e-4  # numerics: by which times are moved for their slopes [s]
 _TIMES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # that are tried first, in samples
 _ROUNDS = 8  # of Gauss and Newton
 _SHARES = (1.0, 0.5, 0.25)  # of a step
 _VAGUE = 100.0  # standard deviation of a constant, in those of the effort
-_SETTLED = 1e-6  # of the sum of squares, that is no gain
+_SETTLED = 1e-6  # numerics: of the sum of squares, that is no gain
 _SCALES = {"delay": 0.1, "lag": 0.1, "ratio": 100.0}  # standard deviations beforehand [s], [1/s]
 
 
@@ -181,7 +180,7 @@ def tuned(law: Fitted, limits: ControllerThresholds) -> Fitted:
         ]
         likely = [min((replace(best, form=f) for f in each), key=_rss) for each in forms]
         later = min((_improved(each, limits) for each in likely), key=_rss, default=best)
-        clear = any(getattr(later.form, name) > _TRIFLE * period for name in new)
+        clear = any(getattr(later.form, name) > limits.trifle * period for name in new)
         if not clear or later.over(best) < limits.worth:
             break
         best = later

@@ -71,7 +71,7 @@ def load_of(body: RigidBody, j: int, motor: Motor, drive_error: float) -> Load |
     return load
 
 
-def in_words(joint: str, load: Load, rotor_given: bool) -> str:
+def in_words(joint: str, load: Load, rotor_given: bool, sure: float) -> str:
     """A sentence or two."""
     if load.mass is not None and load.length is not None:
         factors = [
@@ -86,7 +86,7 @@ def in_words(joint: str, load: Load, rotor_given: bool) -> str:
         f" {whole.value:.4g} ± {1.96 * whole.std:.2g} m; the model's load alone is one of"
         f" {own:.4g} m"
     )
-    if own > whole.value + 3.0 * whole.std:
+    if own > whole.value + sure * whole.std:
         least = 100.0 * (own / whole.value - 1.0)
         return f"{said}: it is too long by {least:.2g} % at least, since no rotor shortens it."
     if rotor_given:

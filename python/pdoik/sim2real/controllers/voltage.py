@@ -29,6 +29,8 @@ from ..study import GivenController
 from ..thresholds import ControllerThresholds
 from .linear_model import LinearModel, Parameter, parts_of
 
+_THINNED = 10  # numerics: rows of a log to one that says something of a voltage
+_LOADED = 0.05  # numerics: range of duties that a supply's loss shows in
 _SUPPLY = 1.0  # a supply's slower changes are its own, quicker ones are the bridge's switching [Hz]
 _LOW, _PARTS = 0.1, 8  # quantile of readings that are of pulses; parts by which its error is found
 _MOST_LOSS, _USUAL_LOSS = 0.6, 0.3  # share of the supply lost at full duty; where none is read
@@ -114,7 +116,7 @@ def sag(recordings: Sequence[Recording], j: int) -> tuple[float, float] | None:
         return float(optimize.minimize(pinball, [1.0, 0.1], method="Nelder-Mead").x[1])
 
     every = np.arange(len(u))
-    halves = [line(part) for part in np.array_split(every, _PARTS) if np.ptp(u[part]) > 0.05]
+    halves = [line(part) for part in np.array_split(every, _PARTS) if np.ptp(u[part]) > _LOADED]
     if len(halves) < 2:
         return None
     error = float(np.std(halves, ddof=1) / np.sqrt(len(halves)))
@@ -142,7 +144,7 @@ def motor_of(
     thin = [b.thin(i, part) for i, part in enumerate(parts)]
     rows = dict(zip(_NAMES, np.concatenate(thin)[keep].T, strict=True))
     volts = rows.pop("volts")
-    if len(volts) < limits.least_rows // 10 or not np.any(rows["gravity"]):
+    if len(volts) < limits.least_rows // _THINNED or not np.any(rows["gravity"]):
         return None
     given, body = _given(controller, j), b.motions[0].body
     k = given.pop("torque_per_volt", None)

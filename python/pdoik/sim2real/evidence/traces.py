@@ -73,7 +73,7 @@ def channel_notes(examination: Examination) -> tuple[str, ...]:
         )
     for j, name in enumerate(examination.prepared.study.joints):
         key: Key = ("velocity", j)
-        if key not in b.residual or b.rms(key) < 3.0 * b.sigma[key]:
+        if key not in b.residual or b.rms(key) < b.thresholds.diagnosis.sure * b.sigma[key]:
             continue
         notes.append(
             f"dq.{name} differs from the derivative of q.{name} by {b.rms(key):.3g} rad/s,"

@@ -16,6 +16,8 @@ from ..motion import Place, Shape
 from ..regression import Fit, Term, gains_alone, term_of, wald
 from ..thresholds import DiagnosisThresholds
 
+_ACTS = 1e-3  # numerics: of its largest part, from which a contact acts
+_AS_MUCH = 0.98  # numerics: of the most, that links whose origins meet explain
 _LENGTHS = (0.4, 0.8, 1.6, 3.2, 6.4)  # of the windows tried [s]
 
 
@@ -61,7 +63,7 @@ def clearest(windows: Sequence[Window]) -> Window | None:
     most = max((window.gain for window in windows), default=0.0)
     if most <= 0.0:
         return None
-    return next(window for window in reversed(windows) if window.gain >= 0.98 * most)
+    return next(window for window in reversed(windows) if window.gain >= _AS_MUCH * most)
 
 
 def stands(fit: Fit, term: Term) -> bool:
@@ -73,7 +75,7 @@ def stands(fit: Fit, term: Term) -> bool:
         part = column[fit.rows[key]] @ beta / fit.balances.sigma[key]
         if not len(part):
             continue  # a joint that stood still
-        at = np.abs(part) > 1e-3 * np.abs(part).max()
+        at = np.abs(part) > _ACTS * np.abs(part).max()
         after = fit.residual(key)[at]
         before = after + part[at]
         harm = max(harm, float(after @ after - 1.1 * (before @ before)) - 2.0 * len(after))

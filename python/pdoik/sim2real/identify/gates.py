@@ -18,7 +18,7 @@ from .harmonics import harmonic_terms
 _SLOW = (4.0, 5.0, 6.0, 7.0, 8.0)
 """Harmonics of the joint's angle that a part of the positions shows no whole wave of."""
 
-_GRID = 25  # quantiles between which a gate's ends are looked for first
+_GRID = 25  # numerics: quantiles between which a gate's ends are looked for first
 PARTS = _GRID * (_GRID - 1) / 2  # pairs of ends
 _EDGES = (0.0, 0.02, 0.05, 0.1, 0.2)  # tried [s], [rad], [m]
 

@@ -15,7 +15,7 @@ from .posterior import Posterior, likeliest
 from .relinearised import relinearised
 from .weighing import State
 
-_ROUNDS = 4  # of linearisation
+_ROUNDS = 4  # numerics: of linearisation
 _BEGIN, _END, _STEP = 0.18, 0.76, 0.06  # of the work reported as done
 _FEW = 6  # causes after which one beginning is left
 

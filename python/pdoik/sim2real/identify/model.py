@@ -23,10 +23,10 @@ from .hypothesis import Hypothesis
 from .linearisation import Linearisation
 
 _ROUNDS = 40  # at most, of coefficients and noise in turn
-_SETTLED = 0.02  # relative change of a variance that is none
+_SETTLED = 0.02  # numerics: relative change of a variance that is none
 _LEAST_FREE = 0.25  # share of the independent rows that coefficients leave at least
-_NO_PULL = 1e-9  # against a bound, of the largest there is
-_ACTS = 0.0025  # of a part's largest square, from which it acts
+_NO_PULL = 1e-9  # numerics: against a bound, of the largest there is
+_ACTS = 0.0025  # numerics: of a part's largest square, from which it acts
 _TRACE = 1e-11  # of ridge, where columns are scaled to one
 
 LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small

@@ -16,6 +16,7 @@ from ..effects import CATALOGUE
 from ..motion import Balances, Key, axis_of
 from ..regression import Fit, Term, gains_alone
 
+_FEWEST = 10  # numerics: rows beyond a fit's own
 MOMENTS = 60  # moments of the study at which an onset is looked for first
 
 
@@ -68,7 +69,7 @@ def _moments(balances: Balances, clock: FloatArray, borders: FloatArray) -> Floa
 
 def _gain(term: Term, column: FloatArray, residual: FloatArray, since: FloatArray) -> float:
     part = column[since]
-    if len(part) < 2 * part.shape[1] + 10:
+    if len(part) < 2 * part.shape[1] + _FEWEST:
         return 0.0
     betas, gains = gains_alone((part.T @ residual[since])[None], (part.T @ part)[None])
     return float(gains[0]) if CATALOGUE[term.effect].admissible(betas[0]) else 0.0

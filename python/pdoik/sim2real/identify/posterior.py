@@ -16,7 +16,7 @@ from .pool import Pool, Scored
 from .proposals import begun, gated, harmonics, nameless, pushes
 from .weighing import SERIOUS, State, Weighing
 
-_LOOKS = 3  # at every cause, where nothing more is worth adding
+_LOOKS = 3  # numerics: at every cause, where nothing more is worth adding
 _MOST = 40  # causes, where evidence has not ended it before
 
 

@@ -45,8 +45,8 @@ SEEN = 0.9
 """Probability with which a cause of the smallest size is found."""
 
 _Z = float(stats.norm.ppf(SEEN))
-_NONE = 1e-9  # share of a contribution that is left of it where nothing is
-_LARGEST = 1e30  # amount that is tried
+_NONE = 1e-9  # numerics: share of a contribution that is left of it where nothing is
+_LARGEST = 1e30  # numerics: amount that is tried
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

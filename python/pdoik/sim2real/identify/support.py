@@ -21,7 +21,7 @@ from .ordinary import OF_JOINTS, days_of
 TRUSTED = (TRUST, Tolerance.id, TorqueGain.id)
 """What no cause is made up for by: how far it is off is in the cause's odds."""
 
-_ACTS = 0.05  # of a column's mean square, from which a row counts as one where it acts
+_ACTS = 0.05  # numerics: of a column's mean square, from which a row counts as one where it acts
 
 
 def held_out_support(

@@ -21,8 +21,9 @@ from .model import Model
 from .ordinary import Ordinary
 from .pool import Pool, Scored
 
-SERIOUS = 6  # hypotheses of a round that are compared at their own noise
-_SHAPED = 3  # of these, whose nonlinear parameters are moved to their best
+SERIOUS = 6  # numerics: hypotheses of a round that are compared at their own noise
+_SHAPED = 3  # numerics: of these, whose nonlinear parameters are moved to their best
+_SAME_LEVEL = 0.1  # numerics: relative change of a friction's level that is none
 _TUNED = 3  # rounds of the ordinary part's choices
 
 Tell = Callable[[str], None]
@@ -85,7 +86,7 @@ class Weighing:
             other = now.fitted_to(state.model, joints if turn == 0 or added is None else ())
             model = Model(self.data, with_ordinary(other, state.chosen), state.model)
             settled = other.widths == now.widths and all(
-                abs(other.levels[k] - now.levels.get(k, 0.0)) <= 0.1 * other.levels[k]
+                abs(other.levels[k] - now.levels.get(k, 0.0)) <= _SAME_LEVEL * other.levels[k]
                 for k in other.levels
             )
             state = self.possible(replace(state, ordinary=other, model=model))

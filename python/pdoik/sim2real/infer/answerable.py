@@ -6,7 +6,7 @@ from ..channels import ChannelCheck
 from ..controllers import ControllerCheck
 from ..motion import Prepared
 
-_LISTED = 6  # joints in one sentence
+_LISTED = 6  # numerics: joints in one sentence
 
 
 def why_unanswerable(prepared: Prepared, control: ControllerCheck, check: ChannelCheck) -> str:

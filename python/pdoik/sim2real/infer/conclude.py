@@ -48,7 +48,7 @@ from .torque_scale import with_torque_scale
 from .unsaid import with_unsaid
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 
-_NEVER = 1e-9  # share of the held-out residual that is none
+_NEVER = 1e-9  # numerics: share of the held-out residual that is none
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,7 +9,7 @@ from pdoik.recordings import FloatArray
 from ..findings import Residue
 from ..motion import Balances, Key
 
-_BINS = 12
+_BINS = 12  # numerics:
 
 
 def residue_of(b: Balances, key: Key, left: FloatArray) -> Residue:

@@ -17,7 +17,7 @@ from ..study import Study
 from ..thresholds import DiagnosisThresholds
 from .residue import residue_of
 
-_FEW_SESSIONS = 3  # fewer say next to nothing of others
+_FEW_SESSIONS = 3  # numerics: fewer say next to nothing of others
 
 
 def joint_fits(

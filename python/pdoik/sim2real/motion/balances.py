@@ -22,8 +22,8 @@ from .place import Balance, Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
 
 _Name = tuple[str, Place, Shape]  # of a cause, where it acts and its shape
-_NOTHING = 1e-100
-_RECENT = 150  # columns that are kept for a while
+_NOTHING = 1e-100  # numerics:
+_RECENT = 150  # numerics: columns that are kept for a while
 _PERIODS = 10.0  # of the lowest cut-off that fit into a recording
 _OF_FEET: tuple[Balance, ...] = ("foot", "tilt", "grip")
 

@@ -23,9 +23,10 @@ _NO_LOADS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0)  # over the faste
 _REACHED = (0.9, 0.95, 0.98, 0.99, 0.995, 0.999)  # quantiles at which a ceiling may lie
 _ROUNDS = 4
 _MOST = 8000  # samples that are looked at
-_LEFT = 0.15  # of the stall torque, from which a line is looked at
-_BELOW = 5.0  # widths of the ceiling that the band below it reaches down
-_BEYOND = 1.5  # the same, from which a torque lies over it
+_LEFT = 0.15  # numerics: of the stall torque, from which a line is looked at
+_BRAKES = 0.1  # numerics: of the no-load speed, from which a drive brakes
+_BELOW = 5.0  # numerics: widths of the ceiling that the band below it reaches down
+_BEYOND = 1.5  # numerics: the same, from which a torque lies over it
 _WIDE = 2.5  # half the width of a ceiling, in standard deviations of noise
 _LEAST = 0.015  # of the level, that a ceiling is wide at least
 
@@ -182,7 +183,7 @@ def _left(s: _Samples, no_load: float) -> tuple[FloatArray, NDArray[np.bool_]]:
     left = 1.0 - s.along / no_load
     use = left > _LEFT
     if np.isfinite(no_load):
-        use &= s.along > -0.1 * no_load  # a drive that brakes may give more
+        use &= s.along > -_BRAKES * no_load  # a drive that brakes may give more
     return np.maximum(left, _LEFT), use
 
 

@@ -17,7 +17,7 @@ from .signals import dilated, zero_phase
 
 _LIGHT, _FIRM = 0.1, 0.3  # of the load of one that stands: may touch; surely stands
 _ALONG_AXIS = np.cos(np.radians(1.0))
-_SWITCH = 1.5  # sensors that say two things, and never more than this, say only whether
+_SWITCH = 1.5  # numerics: sensors that say two things, and never more than this, say only whether
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -16,6 +16,7 @@ from .signals import noise_density
 Torques = tuple[FloatArray, FloatArray, NDArray[np.bool_], float]
 """Given (T,), asked for (T,), which samples are data, and the period [s], of one recording."""
 
+_SETTLED = 1e-4  # numerics: relative change of a level that is none
 _ROUNDS = 6
 DEFAULT_LIMITS = LimitThresholds()
 
@@ -54,7 +55,7 @@ def flat_top(
         before, level = level, float(np.median(np.concatenate(tops)))
         if level <= 0.0:
             return None
-        if abs(level - before) < 1e-4 * level:
+        if abs(level - before) < _SETTLED * level:
             break
     top = np.concatenate(tops)
     more = np.concatenate([np.abs(t[1][a]) for t, a in zip(torques, at, strict=True)]) - level
@@ -65,7 +66,7 @@ def flat_top(
     )
     occasions = sum(occasions_of(a, t[3], limits.apart) for t, a in zip(torques, at, strict=True))
     once = occasions < 2
-    if spread > max(1.5 * noise, limits.flat * level) or over > 0.1 * len(top):
+    if spread > max(1.5 * noise, limits.flat * level) or over > limits.over * len(top):
         return None
     if spread > (limits.flatter_once if once else limits.flatter) * float(
         np.sqrt(np.mean(more**2))

@@ -21,10 +21,10 @@ from .motion_noise import base_noise, inertial_noise
 from .place import Columns, Key
 from .signals import dilated, noise_density
 
-_FELT = 1e-3  # [sigma] by which a row must feel a usual force for that to be taken off
+_FELT = 1e-3  # numerics: [sigma] by which a row must feel a usual force for that to be taken off
 _ARM = 0.1  # [m] at which a usual force acts in a sole, as a moment
-_COUPLED = 1e-9  # of a torque, that it must leave in another row to be seen there
-_LEAST_LEFT = 0.01  # of a row's own variance that must be left for it to be judged
+_COUPLED = 1e-9  # numerics: of a torque, that it must leave in another row to be seen there
+_LEAST_LEFT = 0.01  # numerics: of a row's own variance that must be left for it to be judged
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

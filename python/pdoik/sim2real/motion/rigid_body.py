@@ -263,7 +263,7 @@ class RigidBody:
         motion = joint.createData()
         joint.calc(motion, pin.neutral(self.model), velocity)
         axis = np.array(motion.v.angular)
-        return axis if np.linalg.norm(axis) > 0.5 else None
+        return axis if np.any(axis) else None
 
     def neighbours(self) -> list[tuple[int, int]]:
         """Pairs of joints that follow one another along a chain, in both orders."""

@@ -11,6 +11,8 @@ from scipy.ndimage import maximum_filter1d
 
 from pdoik.recordings import FloatArray
 
+_HIGHEST = 0.9  # numerics: share of Nyquist's frequency, from which nothing is filtered
+_BAND = 0.95  # numerics: share of it up to which a spectrum is looked at
 _ORDER = 4  # of the Butterworth filter, run forwards and backwards
 
 
@@ -27,7 +29,7 @@ def zero_phase(
             value, as what is smooth does; where these are mostly noise they are not to be followed.
     """
     nyquist = 0.5 / period
-    if cutoff >= 0.9 * nyquist or len(values) < 3:
+    if cutoff >= _HIGHEST * nyquist or len(values) < 3:
         return np.asarray(values, dtype=np.float64)
     sections, rest = _sections(cutoff / nyquist)
     pad = min(len(values) - 1, int(3 / (cutoff * period)))
@@ -93,7 +95,7 @@ def noise_density(values: FloatArray, period: float, above: float) -> FloatArray
     )
     density = np.where(known, density, np.nan)
     low = min(max(above, 0.5 * nyquist), 0.8 * nyquist)
-    band = (frequency >= low) & (frequency <= 0.95 * nyquist)
+    band = (frequency >= low) & (frequency <= _BAND * nyquist)
     # The median of a chi-squared with 2 degrees of freedom per average is ln 2 of its mean; with
     # Welch's averaging it is close to the mean: the bias is below 10 % from three segments on.
     return np.asarray(np.median(density[band], axis=0), dtype=np.float64)

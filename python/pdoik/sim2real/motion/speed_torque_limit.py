@@ -63,7 +63,7 @@ def speed_torque_limit(
         slope, stall = np.polyfit(speed[keep], top[keep], 1)
         off = np.abs(top - stall - slope * speed)
         keep = off < max(limits.noise * noise, limits.on_line * stall, 3.0 * float(np.median(off)))
-    if np.count_nonzero(keep) < 0.8 * len(top) or not (slope < 0.0 < stall):
+    if np.count_nonzero(keep) < limits.kept * len(top) or not (slope < 0.0 < stall):
         return None
     spread = float(np.sqrt(np.mean((top - stall - slope * speed)[keep] ** 2)))
     more = float(np.sqrt(np.mean((asked - stall - slope * speed)[keep] ** 2)))
@@ -78,7 +78,7 @@ def speed_torque_limit(
         beyond += int(
             np.sum(good & (np.abs(given) > most + max(limits.noise * noise, 0.04 * stall)))
         )
-    if beyond > 0.1 * np.count_nonzero(keep):
+    if beyond > limits.over * np.count_nonzero(keep):
         return None
     fastest = max(float(np.max(np.abs(v))) for v in speeds)
     no_load = -stall / slope

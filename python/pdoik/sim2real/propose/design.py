@@ -17,7 +17,7 @@ from .path import Path
 from .predict import Predict, Run
 from .weigh import Weigher
 
-_FIRST = 0.4  # of the effort, for recipes at random
+_FIRST = 0.4  # numerics: of the effort, for recipes at random
 _KEPT = 4  # recipes that are changed
 _CLOSER = 3  # of the best that are looked at with what is costly
 _SHRINKS = 6

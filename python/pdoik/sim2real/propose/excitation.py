@@ -30,6 +30,9 @@ _STROKES = ((0.05, 0.04), (0.15, 0.06), (0.3, 0.1), (0.45, 0.2), (0.65, 0.5))  #
 _LONGEST = 3.0  # that a stroke takes [s]
 _RAMP = 0.7  # share of the acceleration limit that strokes and moves take
 _WIDEST = 1.4  # room of a joint on either side of the pose, at most [rad]
+_SOME = 0.3  # numerics: share of moves in which half of the joints move
+_HALF = 0.5  # numerics: of them
+_ALONE = 0.25  # numerics: share of parts in which the joints in question move alone
 _TO_POSE = 0.6  # share of the speed limit at which the pose is gone to
 
 
@@ -274,8 +277,8 @@ def _moves(
     path, row, here = np.zeros((rows, n)), 0, np.zeros(n)
     while row < rows:
         goal = rng.uniform(-1.0, 1.0, n) * reach
-        if rng.random() < 0.3:
-            goal = np.where(rng.random(n) < 0.5, goal, here)
+        if rng.random() < _SOME:
+            goal = np.where(rng.random(n) < _HALF, goal, here)
         distance = np.abs(goal - here)
         # With ramps of a fifth the speed is 1.25 D / T, the acceleration 6.25 D / T^2.
         by_rate = float(np.max(np.sqrt(6.25 * distance / (_RAMP * rate))))
@@ -299,7 +302,7 @@ def _random_part(rng: np.random.Generator) -> Part:
         share=float(rng.uniform(0.3, 1.0)),
         pace=float(np.exp(rng.uniform(np.log(_SLOWEST), 0.0))),
         reach=float(rng.uniform(0.3, 1.0)),
-        alone=bool(rng.random() < 0.25),
+        alone=bool(rng.random() < _ALONE),
     )
 
 

@@ -13,7 +13,7 @@ from ..thresholds import Thresholds
 
 Pair = tuple[str, str]  # a finding and its rival, in words
 
-NOTHING = 1.0
+NOTHING = 1.0  # numerics:
 """Log likelihood ratio that says nothing."""
 
 

@@ -35,7 +35,6 @@ from .figures import Figure, figures
 from .questions import Cause, Option, Question, said, standing
 
 _OF_THE_MEAN = 0.2  # what the mean clarity counts relative to the least
-_KNOWN = 9.0  # decrease of the cost in the recordings from which a rival's figures are known
 _SHAPES = 4  # of a rival that are tried
 
 
@@ -248,7 +247,7 @@ class Weigher:
         if best is None:
             return None
         gain, cause = best
-        known = gain > _KNOWN and bool(np.any(cause.beta))
+        known = gain > self.limits.propose.known and bool(np.any(cause.beta))
         return Rival(cause=cause, listed=option.listed, known=known)
 
     def _said(self, option: Option, places: tuple[Place, ...]) -> str:

@@ -11,9 +11,10 @@ from pdoik.recordings import FloatArray
 
 from .clear import Clear
 
-SHORTEST = 5.0
+SHORTEST = 5.0  # numerics:
 """Shortest duration of a motion [s]: less leaves no room to go somewhere and back."""
 
+_RATES = (20.0, 2000.0)  # of a motion's rows [Hz]
 _EFFORT = 400  # motions that are looked at
 _SEARCH = 60.0  # that the search takes at most [s]
 
@@ -50,5 +51,5 @@ class Wishes:
                 f"{self.seconds:g} s is too short: a motion that starts and ends at rest needs"
                 f" {SHORTEST:g} s, and 20 s settle most"
             )
-        if not 20.0 <= self.rate <= 2000.0:
+        if not _RATES[0] <= self.rate <= _RATES[1]:
             raise ValueError(f"rate is {self.rate:g} Hz, expected 20 to 2000")

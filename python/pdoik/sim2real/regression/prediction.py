@@ -14,7 +14,7 @@ from ..motion import Balances, Key
 from .fit import Fit, Term, TermKey
 from .trusted_bodies import effect_of
 
-_ACTS = 0.05  # of a part's mean square, from which it acts in a row
+_ACTS = 0.05  # numerics: of a part's mean square, from which it acts in a row
 _DRAWS = 300
 
 

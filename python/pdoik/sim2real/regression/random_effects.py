@@ -17,7 +17,7 @@ from pdoik.recordings import FloatArray
 
 from ..findings import ERRORS
 
-_LEAST_WEIGHT = 0.05  # of the weight of the session that says most
+_LEAST_WEIGHT = 0.05  # numerics: of the weight of the session that says most
 _HOPELESS = 1e6  # times the least variance
 
 

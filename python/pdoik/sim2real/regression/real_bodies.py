@@ -19,7 +19,7 @@ from pdoik.recordings import FloatArray
 from ..simulation import Inertial
 
 _ROUNDS = 20  # of bodies in turn
-_STILL = 1e-6  # of a body's own size, that a round moves it
+_STILL = 1e-6  # numerics: of a body's own size, that a round moves it
 _EVEN = 1e-12  # added to the diagonal of a matrix of unit diagonal
 _LEAST = 1e-5  # of the largest second moment: what a start is kept from being flat by
 

@@ -72,7 +72,7 @@ def clusters_of(fit: Fit, term: Term) -> tuple[Index, int]:
             rows = fit.rows[key]
             energy = np.sum(column[rows] ** 2, axis=1)
             if len(energy):
-                active |= set(number[rows[energy > 0.02 * energy.max()]].tolist())
+                active |= set(number[rows[energy > least.nothing * energy.max()]].tolist())
         step = 1.0 / (3.0 * b.motions[0].cutoff)
         if len(active) >= least.fewest_stretches or length * step <= least.shortest:
             return number.astype(np.intp), int(number.max()) + 1

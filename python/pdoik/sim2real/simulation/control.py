@@ -15,6 +15,8 @@ from ..study import Controller, VoltageDrive
 from .parts import Part, Vector
 from .plant import STANDARD_GRAVITY, build_plant
 
+_LIGHT = 0.3  # numerics: of what a law asks of an inertia, from which a joint is light
+_UNSTABLE = 1.2  # numerics: the largest eigenvalue of a loop that is left
 FINEST_CONTROL_STEP = 2.5e-4  # of a controller whose period is not known [s]
 Control = Callable[[list[float], list[float], list[float], list[float]], list[float]]
 """Commanded torques of desired positions and speeds and of measured ones."""
@@ -146,8 +148,8 @@ def missing_rotor_inertia(
     need = np.maximum(np.abs(controller.kd) * period, np.abs(controller.kp) * period**2)
     if np.linalg.eigvals(inverse_inertia * need).real.max() <= 1.0:
         return np.zeros(len(need))
-    light = np.diag(inverse_inertia) * need > 0.3
+    light = np.diag(inverse_inertia) * need > _LIGHT
     mass = np.linalg.inv(inverse_inertia) + np.diag(need * light)
-    if np.linalg.eigvals(np.linalg.inv(mass) * need).real.max() > 1.2:
+    if np.linalg.eigvals(np.linalg.inv(mass) * need).real.max() > _UNSTABLE:
         light[:] = True
     return np.asarray(need * light)

@@ -37,7 +37,7 @@ ROTOR_SHARE = 0.1  # of a joint's inertia, for a motor behind play whose rotor n
 FINEST_STEP = 1e-4  # [s]
 DAMPING_OF_STIFFEST = 0.3  # of a spring too stiff for any step, as a share of critical
 SOLVED_IN = 2.0  # steps, by which hard constraints are met
-STEP_PER_PERIOD = 0.5  # the longest step times the fastest angular frequency
+STEP_PER_PERIOD = 0.5  # numerics: the longest step times the fastest angular frequency
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

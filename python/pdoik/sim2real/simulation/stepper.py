@@ -20,12 +20,13 @@ from .parts import DriveChange, ExternalForce, Part, Vector
 from .plant import STANDARD_GRAVITY, Plant, build_plant
 from .sensors import Sensors
 
+LONGEST_STEP = 0.1  # numerics: [s]
 UNSTABLE = (
     mujoco.mjtWarning.mjWARN_BADQPOS,
     mujoco.mjtWarning.mjWARN_BADQVEL,
     mujoco.mjtWarning.mjWARN_BADQACC,
 )
-RUNAWAY = 1e3  # no joint is that fast [rad/s]
+RUNAWAY = 1e3  # numerics: no joint is that fast [rad/s]
 
 
 class SimulationError(PdoikError):
@@ -113,7 +114,7 @@ class Stepper:
         self._forget()
 
     def _set_timestep(self, dt: float) -> None:
-        if not 0 < dt < 0.1:
+        if not 0 < dt < LONGEST_STEP:
             raise ValueError(f"timestep must be between 0 and 0.1 s, got {dt}")
         self.plant.set_timestep(dt)
         self._dt = dt

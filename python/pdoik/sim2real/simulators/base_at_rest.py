@@ -6,11 +6,10 @@ import numpy as np
 
 from pdoik.recordings import Recording
 
-_SHIFT = 0.02  # of a base's position that a stand lets happen [m]
-_SPIN = 0.1  # root mean square of its angular velocity that it lets happen [rad/s]
+from ..thresholds import SimulatorThresholds
 
 
-def check_base_at_rest(recording: Recording) -> None:
+def check_base_at_rest(recording: Recording, limits: SimulatorThresholds) -> None:
     """Check that the base was held, by its pose and its gyroscope where these were logged.
 
     Raises:
@@ -19,12 +18,12 @@ def check_base_at_rest(recording: Recording) -> None:
     said = []
     if recording.base is not None:
         shift = float(np.max(np.ptp(recording.base[:, :3], axis=0)))
-        if shift > _SHIFT:
+        if shift > limits.base_shift:
             said.append(f"base.x, .y, .z change by {shift:.2g} m")
     if recording.gyro is not None:
         spin = recording.gyro - np.median(recording.gyro, axis=0)  # less what it is off by
         rms = float(np.sqrt(np.mean(np.sum(spin**2, axis=1))))
-        if rms > _SPIN:
+        if rms > limits.base_spin:
             said.append(f"its gyroscope turns at {rms:.2g} rad/s")
     if said:
         raise ValueError(

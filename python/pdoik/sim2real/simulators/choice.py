@@ -21,10 +21,10 @@ from .user_model import UserModel
 
 MOST = 80  # moves
 _QUICK = 2  # rounds of coefficients and noise where candidates are only compared
-_UNLIKE = 0.3  # cosine below which two terms cannot stand for each other
-_NEGATIVE = 0.1  # of what is believed of a coordinate, that lines may lead below zero
-_ALIKE = 0.9  # cosine from which two terms may undo each other
-_SAME = 0.999  # cosine from which two terms are one torque
+_UNLIKE = 0.3  # numerics: cosine below which two terms cannot stand for each other
+_NEGATIVE = 0.1  # numerics: of what is believed of a coordinate, that lines may lead below zero
+_ALIKE = 0.9  # numerics: cosine from which two terms may undo each other
+_SAME = 0.999  # numerics: cosine from which two terms are one torque
 _BOTH_BRAKE = {"kv", "damping"}  # one torque, unless a limit is reached
 _FEW = 6  # rivals that are looked at, the most alike
 _OF_ALL = {
@@ -239,7 +239,7 @@ class Choice:
             # Of the same torque no more can be said than before the data.
             before = self.log_odds([term]) - self.log_odds([rival])
             worse = before if same else mine - with_it - self.log_odds([rival])
-            if worse < 3.0:
+            if worse < self.limits.rival:
                 probability = float(1.0 / (1.0 + np.exp(np.clip(worse, -50.0, 50.0))))
                 found.append(Rival(term=rival, probability=probability, same=same))
         return tuple(sorted(found, key=lambda each: -each.probability))

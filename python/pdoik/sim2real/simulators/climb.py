@@ -32,7 +32,7 @@ _DIFFERENCE = 5e-3  # of a coordinate
 _FOLLOWS = 0.03  # time in which drives follow, and rows say the same [s]
 _BELOW = (0.9, 0.75, 0.6, 0.45, 0.3)  # of the torque that is used, where limits are tried
 _OCTAVES = 6  # that gains may be off by, up or down
-_BETTER = 8.0  # log posterior that what is tried from afar must gain
+_BETTER = 8.0  # numerics: log posterior that what is tried from afar must gain
 _FLOORS = {"q": 2e-4, "tau": 1e-2}  # what is not explained, at least [rad], [N m]
 
 

@@ -13,9 +13,9 @@ from pdoik.recordings import FloatArray, Recording
 _WINDOWS = 8  # of what both have
 _LAGS = 101  # tried of each window
 _REACH = 0.1  # by which a window's shift may be another one than that of all [s]
-_MOVES = 1e-4  # a command of a window, least [rad]
+_MOVES = 1e-4  # numerics: a command of a window, least [rad]
 _RATES = 0.9 * 1.0025 ** np.arange(85)  # that are tried where commands do not agree, to 1.11
-_SURE = 4.0  # standard errors from which a drift is one
+_SURE = 4.0  # numerics: standard errors from which a drift is one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -75,7 +75,7 @@ def _compare(study: Study, say: Tell) -> Comparison:
             " 'simulation:' (a log of it under the recorded commands)"
         )
     for each in study.recordings:
-        check_base_at_rest(each)
+        check_base_at_rest(each, limits)
     user = simulator_of(study)
     pairs: tuple[Pair, ...] = ()
     shown: dict[str, Shown] = {}

@@ -38,7 +38,7 @@ _CONTROL = int(mujoco.mjtState.mjSTATE_CTRL | mujoco.mjtState.mjSTATE_QFRC_APPLI
 _MOST_THREADS = 4  # in which runs of one candidate go on
 _MEMORY = 8.0  # time constants of what smooths commands, until it has forgotten
 _FINER = 4  # steps in one, to see what a step does
-_MOST_GIVEN = 5_000  # commands of one drive in one run that are kept
+_MOST_GIVEN = 5_000  # numerics: commands of one drive in one run that are kept
 _PHASES = 10  # samples among which a run may begin
 _STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
@@ -319,7 +319,7 @@ class Experiment:
     def _is_faster(self, recording: Recording) -> bool:
         """Whether the controller is known to run much faster than the log."""
         law = self.user.law
-        return law is not None and law.period is not None and law.period < 0.5 * recording.period
+        return law is not None and law.period is not None and 2.0 * law.period < recording.period
 
     def _rolled(self, values: Values) -> tuple[FloatArray, FloatArray]:
         """States and sensor values after each step of each run, (runs, K, .)."""

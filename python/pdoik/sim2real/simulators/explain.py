@@ -31,7 +31,7 @@ Tell = Callable[[str], None]
 
 _SHORT, _BRIEF, _FEW = 0.6, 30.0, 3000  # of runs, of all of them [s], their rows: to begin with
 _LATE = ("filter", "delay")  # about none of which lines are of little use
-_NOTHING = 1e-3  # of what is believed of a coordinate, that is no change
+_NOTHING = 1e-3  # numerics: of what is believed of a coordinate, that is no change
 _ROUNDS = 4  # of choosing, and of fitting what was chosen
 _BEGIN, _ALL, _CHOSEN, _LAST = (10, 5.0), (16, 1.0), (8, 0.5), (4, 0.5)
 """Steps of a climb at most, and what one of them must gain in log posterior: in short runs, of all

@@ -12,7 +12,7 @@ from ..report import AFTER, BEFORE, MEASURED, Picture, number, picture, short
 from .compare import Trace
 from .differences import BANDS, in_bands
 
-_WINDOW = 2.0  # shown about the largest error [s]
+_WINDOW = 2.0  # numerics: shown about the largest error [s]
 
 
 def overlay(trace: Trace, joints: tuple[str, ...], name: str) -> Picture:

@@ -45,7 +45,7 @@ def step_of(explained: Explained, log: str, limits: SimulatorThresholds) -> Step
     """Verdict, findings by what they gain on held-out data, and the joints' errors."""
     user = explained.user
     order = sorted(explained.terms, key=lambda term: -explained.share[term])
-    joints = _joints(explained)
+    joints = _joints(explained, limits)
     claimed = [term for term in order if explained.claims(term, limits)]
     return Step(
         model=user.name,
@@ -168,7 +168,7 @@ def _decided_by(explained: Explained, term: Term) -> str:
     return "motion of this joint alone, slow and fast"
 
 
-def _joints(explained: Explained) -> dict[str, JointFit]:
+def _joints(explained: Explained, limits: SimulatorThresholds) -> dict[str, JointFit]:
     held_out = explained.held_out
     found = {}
     for k, joint in enumerate(explained.user.joints):
@@ -179,7 +179,7 @@ def _joints(explained: Explained) -> dict[str, JointFit]:
             noise_floor=float(np.hypot(explained.noise[k], explained.of_step[k])),
             unit="rad",
             data=", ".join(dict.fromkeys(each.name for each in held_out.recordings)),
-            excited=bool(np.ptp(measured) > 2e-3),
+            excited=bool(np.ptp(measured) > limits.moves),
         )
     return found
 

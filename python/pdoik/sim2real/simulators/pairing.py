@@ -19,7 +19,7 @@ from pdoik.recordings import FloatArray, Recording
 from ..thresholds import SimulatorThresholds
 from .clocks import clocks_of, commands_at, rate_between
 
-_MOST_LAGS = 200_000
+_MOST_LAGS = 200_000  # numerics:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

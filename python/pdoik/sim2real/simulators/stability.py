@@ -9,7 +9,7 @@ from pdoik.recordings import FloatArray
 from ..simulation import SimulationError
 from .user_model import UserModel
 
-_FASTEST = 1e4  # [rad/s]
+_FASTEST = 1e4  # numerics: [rad/s]
 
 
 def check_states(user: UserModel, states: FloatArray, recording: str, start: float) -> None:

@@ -15,7 +15,7 @@ from .floating_base import FloatingBase, Foot, Ground
 from .key_tables import BASE, FOOT, GROUND, IMU
 from .values import checked, number, shown, text, vector
 
-_FLAT_FROM = 4  # joints of a leg that can turn a sole as well as place it
+_FLAT_FROM = 4  # numerics: joints of a leg that can turn a sole as well as place it
 
 RECORD = (
     "record gyro.x gyro.y gyro.z [rad/s] and acc.x acc.y acc.z [m/s^2] of an IMU, or the base's"

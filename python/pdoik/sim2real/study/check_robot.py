@@ -70,7 +70,7 @@ def check_robot(
     return tuple(notes)
 
 
-_NAMED = 6  # joints in one note
+_NAMED = 6  # numerics: joints in one note
 
 
 def _held(facts: RobotFacts, joints: Collection[str]) -> list[str]:

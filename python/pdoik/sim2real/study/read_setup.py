@@ -25,7 +25,7 @@ from .payload import Payload
 from .study import Setup
 
 _MORE_THAN_NOTHING = float(np.nextafter(0.0, 1.0))
-_COLDEST = -273.15  # [deg C]
+_COLDEST = -273.15  # numerics: [deg C]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

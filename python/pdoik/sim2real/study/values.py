@@ -11,6 +11,8 @@ from pdoik._nearest import nearest
 from pdoik.errors import LoadError
 from pdoik.recordings import FloatArray
 
+_LONG = 60  # numerics: characters of a message
+
 
 def checked(content: Any, keys: Collection[str], source: str) -> dict[str, Any]:
     """`content` as a mapping that has these keys only."""
@@ -74,4 +76,4 @@ def names(content: Any, source: str) -> tuple[str, ...] | None:
 def shown(content: Any) -> str:
     """What came, for a message."""
     said = repr(dict(content) if isinstance(content, Mapping) else content)
-    return said if len(said) < 60 else f"{said[:57]}..."
+    return said if len(said) < _LONG else f"{said[:57]}..."

@@ -14,8 +14,8 @@ from pdoik.recordings import FloatArray
 from ..motion import Motion, Prepared
 
 _PEAK = 0.999  # quantile that stands for the greatest, so that one row does not
-_STANDS = 0.3  # at rest for so long is a pose that it stands in [s]
-_APART = 0.02  # between two poses [rad or m]
+_STANDS = 0.3  # numerics: at rest for so long is a pose that it stands in [s]
+_APART = 0.02  # numerics: between two poses [rad or m]
 _MOST_POSES = 12
 
 

@@ -88,7 +88,7 @@ class Missing:
             turns = sum(reversals(m, j) for m in balances.motions)
             if effect.family == "friction" and turns == 0:
                 return f"{joints[j]} never reverses"
-        if size.left < _ALIKE:
+        if size.left < self._prepared.study.thresholds.diagnosis.little:
             return "looks like friction, offsets or bodies along these motions"
         return "not seen at any size that is tried"
 
@@ -128,7 +128,6 @@ class Missing:
         return self._pieces[names]
 
 
-_ALIKE = 0.05  # share of a contribution that ordinary effects must leave, or it looks like them
 _LITTLE = 0.02
 
 

@@ -15,7 +15,7 @@ from ..motion import Key, Place, Prepared, Shape
 from ..regression import Term, usual_torque
 from .amounts import bisected
 
-_BEYOND = 1e6  # a figure at which an effect does nothing, from which it is without end
+_BEYOND = 1e6  # numerics: a figure at which an effect does nothing, from which it is without end
 _SHARE = 0.02  # of the time, the amount to begin with where the amount is a share
 _MOST_SHARE = 0.5
 _NEXT_TO_NOTHING = 1e-9  # of a time or an angle

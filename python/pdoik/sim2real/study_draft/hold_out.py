@@ -9,9 +9,10 @@ import numpy as np
 
 from pdoik.recordings import FloatArray, Recording
 
+_MOVES = 0.05  # numerics: range from which a motion is one [rad]
 _CELLS = 12  # of each joint's positions, and of its speeds
-_LEAST_COVERED = 0.6  # of two recordings, below which the one says little of the other
-_SAME = 0.1  # of the motion's size: by how little a repetition differs
+_LEAST_COVERED = 0.6  # numerics: of two recordings, below which the one says little of the other
+_SAME = 0.1  # numerics: of the motion's size: by how little a repetition differs
 _RATE = 20.0  # at which motions are compared [Hz]
 
 
@@ -40,7 +41,7 @@ def hold_out(recordings: Mapping[str, tuple[Recording, ...]]) -> HoldOut:
         name: any(_repeats(motion, m) for other, m in motions.items() if other != name)
         for name, motion in motions.items()
     }
-    moving = [name for name, (q, _) in motions.items() if np.ptp(q, axis=0).max() > 0.05]
+    moving = [name for name, (q, _) in motions.items() if np.ptp(q, axis=0).max() > _MOVES]
     own = [name for name in moving if not repeats[name]] or moving or [*motions]
     best = max(own, key=lambda name: covered[name])
     if len(recordings) == 2 and covered[best] < _LEAST_COVERED:

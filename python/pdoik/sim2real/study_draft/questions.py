@@ -6,7 +6,7 @@ import numpy as np
 
 from .facts import Facts
 
-_NAMED = 6  # joints in one sentence
+_NAMED = 6  # numerics: joints in one sentence
 
 
 def guesses_of(facts: Facts) -> tuple[str, ...]:

@@ -68,6 +68,18 @@ class ControllerThresholds(Group):
     later: float = threshold(
         0.008, "by which one joint must act later than the others do: current loops differ", "s"
     )
+    most_at: float = threshold(0.6, "share of all rows that may be at a limit for it to be one")
+    most_over: float = threshold(0.1, "share of what is at a limit that may lie over it")
+    as_given: float = threshold(
+        0.9, "share of the limit that the robot's description has, from which a limit is no news"
+    )
+    steady: float = threshold(
+        0.8, "share of an effort's changes that come in time where a controller holds it"
+    )
+    trifle: float = threshold(
+        0.15,
+        "share of a sample up to which a delay is none: channels are logged one after the other",
+    )
     drive_error: float = threshold(
         0.1,
         "share by which a motor's torque per volt differs from the given one",

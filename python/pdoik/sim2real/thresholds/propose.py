@@ -24,6 +24,12 @@ class ProposeThresholds(Group):
         "",
         "well above what confidence.gain asks for `enough`",
     )
+    known: float = threshold(
+        9.0,
+        "decrease of the cost in the recordings from which a rival's figures are known",
+        "",
+        "three standard errors",
+    )
     doubt: float = threshold(
         1.28,
         "standard deviations that a ratio is assumed to fall short of what is expected",

@@ -55,6 +55,15 @@ class SimulatorThresholds(Group):
     of_its_step: float = threshold(
         1.0, "times its recorded motion by which a joint may move otherwise with a truer step"
     )
+    rival: float = threshold(
+        3.0,
+        "log odds by which another term may explain the data worse and be named with it",
+        "",
+        "Kass and Raftery, JASA 90(430), 1995: strong",
+    )
+    moves: float = threshold(2e-3, "range from which a joint moved", "rad")
+    base_shift: float = threshold(0.02, "by which a stand lets a base move", "m")
+    base_spin: float = threshold(0.1, "root mean square at which it lets it turn", "rad/s")
     same_commands: float = threshold(
         0.95, "correlation of commands from which two runs are of the same ones"
     )

@@ -100,8 +100,8 @@ def test_a_limit_is_what_is_needed_where_more_is_asked() -> None:
     time = np.arange(0.0, 20.0, 0.004)
     asked = 12.0 * np.sin(1.3 * time) + 3.0 * np.sin(3.1 * time)
     needed = np.clip(asked, -10.0, 10.0) + rng.normal(0.0, 0.1, len(time))
-    assert is_cut(asked, needed, 10.0)
+    assert is_cut(asked, needed, 10.0, 0.5)
     hum = np.where(np.abs(time - 10.0) < 0.5, 9.0 * np.sin(60.0 * time), 0.0)
     gentle = 0.6 * asked
-    assert not is_cut(gentle + hum, gentle, 10.0)
-    assert not is_cut(asked, needed + rng.normal(0.0, 3.0, len(time)), 10.0)
+    assert not is_cut(gentle + hum, gentle, 10.0, 0.5)
+    assert not is_cut(asked, needed + rng.normal(0.0, 3.0, len(time)), 10.0, 0.5)

@@ -245,9 +245,9 @@ def test_a_base_that_moves_is_refused(speed: float, refused: bool, tmp_path: Pat
     for moved in (replace(one, gyro=gyro), replace(one, base=base)):
         if refused:
             with pytest.raises(ValueError, match=r"the base moves.*record it hung up or clamped"):
-                check_base_at_rest(moved)
+                check_base_at_rest(moved, Thresholds().simulators)
         else:
-            check_base_at_rest(moved)
+            check_base_at_rest(moved, Thresholds().simulators)
     if refused:
         write_csv(tmp_path / "run.csv", one)
         table = pd.read_csv(tmp_path / "run.csv")

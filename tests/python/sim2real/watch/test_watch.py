@@ -130,7 +130,9 @@ def test_links_that_are_off_are_learnt_from_healthy_logs(model: Model, examinati
         calibrated(each, [recording], thresholds=limits).healthy
         for each, limits in ((model, None), (off, None), (off, strict))
     )
-    assert right is not None and learnt is not None and ignored is not None
+    assert right is not None
+    assert learnt is not None
+    assert ignored is not None
     worst = np.argmax(ignored.bias[:, 0])
     assert ignored.bias[worst, 0] > 3.0 * right.bias[worst, 0]
     assert (learnt.bias < 1.5 * right.bias + 0.005).all()

@@ -17,8 +17,6 @@ from ..site import Site
 _USUAL = 0.005  # share that a tilt takes from gravity
 _TILT = 0.1  # of a base that is not quite level [rad]
 _ANY = 1.0  # shape of a base that is mounted some other way
-_OFF = 0.15  # share of gravity by which masses that are wrong may change its size
-_LEVEL = 0.3  # the same per squared sine: bodies were fitted under the level base's gravity
 
 
 class GravityDirection(Effect):
@@ -37,6 +35,8 @@ class GravityDirection(Effect):
     confused_with = ("link_inertial_error", "joint_offset", "torque_offset")
     decided_by = "slow motion of the first joint with the arm stretched out, or a level on the base"
     source = "a rotation of the base; torques are linear in gravity's components"
+    off = 0.15  # share of gravity by which masses that are wrong may change its size
+    level = 0.3  # the same per squared sine: bodies were fitted under the level base's gravity
     example = Example(values={"tilt_x": 0.03, "tilt_y": -0.05})
     complexity = 2
     against = "q"
@@ -69,13 +69,15 @@ class GravityDirection(Effect):
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Gravity does not grow, within errors."""
-        more = 1.0 + _OFF
-        return np.array([-more, -more, -_OFF]), np.array([more, more, 1.0 + more])
+        more = 1.0 + self.off
+        return np.array([-more, -more, -self.off]), np.array([more, more, 1.0 + more])
 
     def admissible(self, beta: FloatArray) -> bool:
         """Whether gravity keeps its size, within errors of the model."""
         size = float(np.linalg.norm([beta[0], beta[1], 1.0 - beta[2]]))
-        return abs(size - 1.0) <= _OFF + 0.5 * float(np.hypot(beta[0], beta[1])) ** 2 * _LEVEL
+        return (
+            abs(size - 1.0) <= self.off + float(np.hypot(beta[0], beta[1])) ** 2 / 2.0 * self.level
+        )
 
     def values(self, shape: Shape, beta: FloatArray) -> dict[str, float]:
         """Both tilts."""

@@ -23,11 +23,6 @@ from .command_delay import (
     too_short,
 )
 
-SLOWEST_TORQUE = 0.08
-"""Time constant of the slowest torque loops, pneumatic ones: 2 Hz [s]. What is slower is no lag."""
-
-_AT_BOUND = 0.98
-
 
 class ActuatorLag(Effect):
     """T dtau/dt + tau = tau_cmd."""
@@ -40,6 +35,8 @@ class ActuatorLag(Effect):
     confused_with = ("command_delay", "timestamp_skew", "coulomb_friction")
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "first-order lag of a current loop"
+    slowest = 0.08  # of torque loops, pneumatic ones: 2 Hz [s]; what is slower is no lag
+    at_bound = 0.98  # share of it, from which a time is at its bound
     example = Example(
         values={"time_constant": 0.02},
         shape=(OF_TORQUE, 0.02),
@@ -60,7 +57,7 @@ class ActuatorLag(Effect):
         return [
             (what, time)
             for what, time in drive_shapes(motions, place, TIMES)
-            if what != OF_TORQUE or time < SLOWEST_TORQUE
+            if what != OF_TORQUE or time < self.slowest
         ]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
@@ -81,12 +78,12 @@ class ActuatorLag(Effect):
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """What lags is what it is; the time within a factor."""
         what, time = shape
-        most = SLOWEST_TORQUE if what == OF_TORQUE else self.parameters[0].upper
+        most = self.slowest if what == OF_TORQUE else self.parameters[0].upper
         return [(what, what), (0.4 * time, min(2.5 * time, most))]
 
     def possible(self, shape: Shape) -> bool:
         """Whether a torque loop may be as slow as that."""
-        return shape[0] != OF_TORQUE or shape[1] < _AT_BOUND * SLOWEST_TORQUE
+        return shape[0] != OF_TORQUE or shape[1] < self.at_bound * self.slowest
 
     def negligible(self, motions: Sequence[Motion], shape: Shape) -> bool:
         """Whether it is less than the sampling can show."""

@@ -121,6 +121,7 @@ class CommandDelay(Effect):
     confused_with = ("actuator_lag", "timestamp_skew", "coulomb_friction")
     decided_by = "a step of the command, sampled at 500 Hz or more: dead time, or a curve at once"
     source = "transport delay"
+    least_lag = 1e-3  # below which a servo follows at once [s]
     example = Example(values={"delay": 0.03}, shape=(OF_POSITION, 0.03), nothing={"delay": 0.0})
     fixed = True
     size_first = True
@@ -147,7 +148,7 @@ class CommandDelay(Effect):
             assert motion.q_des is not None
             aim = motion.q_des[:, j]
             late = shifted(aim, delay, motion.period)
-            if shape[2] > 1e-3:
+            if shape[2] > self.least_lag:
                 late = lagged(late, shape[2], motion.period)
             return {("servo", j): (late - aim)[:, None]}
         if what == OF_POSITION:
@@ -201,7 +202,11 @@ class CommandDelay(Effect):
         """Statement of the finding in words."""
         late = f"Commands to {where} act {1e3 * values['delay']:.3g} ms late"
         lag = values.get("time_constant", 0.0)
-        after = f", and the servo follows with a lag of {1e3 * lag:.3g} ms" if lag > 1e-3 else ""
+        after = (
+            f", and the servo follows with a lag of {1e3 * lag:.3g} ms"
+            if lag > self.least_lag
+            else ""
+        )
         return late + after + "."
 
     def regime(self, where: str) -> str:

@@ -27,6 +27,7 @@ class TorqueGain(TorqueChannel):
     confused_with = ("payload", "link_inertial_error", "load_dependent_friction")
     decided_by = "the same motion with a known weight in the hand and without"
     source = "Gautier and Briot, ICRA 2011 (global identification of drive gains)"
+    trifle = 5e-3  # a gain off by less is as good as right
     example = Example(values={"gain": 1.1}, nothing={"gain": 1.0})
     complexity = 2
     per_joint_moving = False
@@ -54,7 +55,7 @@ class TorqueGain(TorqueChannel):
 
     def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
         """Less than half a percent."""
-        return abs(values["gain"] - 1.0) < 5e-3
+        return abs(values["gain"] - 1.0) < self.trifle
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

@@ -14,8 +14,6 @@ from ..effect import Example, Parameter
 from ..site import Site
 from .torque_channel import OF_BOTH, TorqueChannel
 
-_TRIFLE = 0.03  # of the usual torque: zeros of current sensors
-
 
 class TorqueOffset(TorqueChannel):
     """tau_reported = tau + b."""
@@ -28,6 +26,7 @@ class TorqueOffset(TorqueChannel):
     confused_with = ("link_inertial_error", "gravity_direction", "asymmetric_friction")
     decided_by = "a rest in a pose where gravity does not load the joint"
     source = "drive calibration"
+    trifle = 0.03  # of the usual torque: zeros of current sensors
     example = Example(values={"offset": 0.8})
     against = "q"
     gated = True
@@ -49,7 +48,7 @@ class TorqueOffset(TorqueChannel):
         """Less than a few hundredths of what the joint usually bears."""
         (j,) = place.joints
         usual = float(np.sqrt(np.mean(motion.borne[:, j] ** 2)))
-        return abs(values["offset"]) < _TRIFLE * usual
+        return abs(values["offset"]) < self.trifle * usual
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

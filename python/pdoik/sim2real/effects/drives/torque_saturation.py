@@ -13,9 +13,6 @@ from ...simulation import DriveChange, Part
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 
-_LEAST_REACHED = 12  # samples
-_AT_TOP = 0.1  # how far a level may lie from the flat top that it is meant to be
-_LEFT = 0.5  # of what is cut off by the model, by which it may be missed
 OF_REPORTED, OF_COMMAND, OF_LAW = 0.0, 1.0, 2.0
 """First entry of a shape: what is larger than the torque truly given."""
 
@@ -31,6 +28,11 @@ class TorqueSaturation(Effect):
     confused_with = ("torque_gain", "actuator_lag", "torque_speed_limit")
     decided_by = "one motion that asks for more torque than this, recorded with its command"
     source = "drive data sheet"
+    at_top = 0.1  # share of a flat top by which its level may be off
+    near_top = 0.15  # the same of a level that was fitted
+    needed, passed = 0.8, 1.06  # shares of a level that a motion needs at least, and passes nowhere
+    least_reached = 12  # samples that reach it
+    missed = 0.5  # share of what is cut off by which the model may miss it
     example = Example(values={"level": 9.0}, place=Place(joints=(0,)), nothing={"level": 1e9})
     fixed = True
     least_of_rest = 0.5
@@ -87,7 +89,7 @@ class TorqueSaturation(Effect):
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """Near the level found first."""
         kind, level = shape
-        within = 0.2 if kind == OF_REPORTED else _AT_TOP
+        within = 0.2 if kind == OF_REPORTED else self.at_top
         return [(kind, kind), ((1.0 - within) * level, level / (1.0 - within))]
 
     def coefficients(
@@ -106,7 +108,7 @@ class TorqueSaturation(Effect):
         kind, level = shape
         if kind != OF_REPORTED:
             top = top_of(motions, j, kind)
-            return top is not None and abs(level - top.level) < 1.5 * _AT_TOP * top.level
+            return top is not None and abs(level - top.level) < self.near_top * top.level
         asked = np.concatenate([asked_of(m, j, kind) for m in motions])
         needed = _needed(motions, j, asked, level)
         highest = float(np.quantile(np.abs(needed), 0.9995))
@@ -114,10 +116,15 @@ class TorqueSaturation(Effect):
         # A joint that never needed as much: what is cut off is not torque.
         rigid = max(_highest(m, j) for m in motions)
         return (
-            0.8 * level <= rigid < 1.06 * level
-            and highest < 1.06 * level
-            and int(np.count_nonzero(reached)) >= _LEAST_REACHED
-            and is_cut(_smooth(motions, [asked_of(m, j, kind) for m in motions]), needed, level)
+            self.needed * level <= rigid < self.passed * level
+            and highest < self.passed * level
+            and int(np.count_nonzero(reached)) >= self.least_reached
+            and is_cut(
+                _smooth(motions, [asked_of(m, j, kind) for m in motions]),
+                needed,
+                level,
+                self.missed,
+            )
         )
 
     def parts(self, site: Site) -> tuple[Part, ...]:
@@ -179,18 +186,18 @@ def _needed(motions: Sequence[Motion], j: int, asked: FloatArray, level: float) 
     return np.asarray(A / scale @ beta)
 
 
-def is_cut(asked: FloatArray, needed: FloatArray, level: float) -> bool:
+def is_cut(asked: FloatArray, needed: FloatArray, level: float, missed: float) -> bool:
     """Whether the level is what is needed where more is asked, and by more than it scatters below.
 
     A drive that hums or is jolted reports more than the level, too, but the motion needs less; and
     a level that is hardly passed may as well be a misfit of high torques.
     """
-    above, below = np.abs(asked) > level, np.abs(np.abs(asked) / level - 0.75) < 0.25
+    above, below = np.abs(asked) > level, (np.abs(asked) > level / 2.0) & (np.abs(asked) < level)
     if not above.any() or not below.any():
         return False
     beyond = _rms(np.abs(asked[above]) - level)
     left = _rms(np.sign(asked[above]) * needed[above] - level)
-    return left < _LEFT * beyond and _rms(asked[below] - needed[below]) < _LEFT * beyond
+    return left < missed * beyond and _rms(asked[below] - needed[below]) < missed * beyond
 
 
 def _rms(values: FloatArray) -> float:

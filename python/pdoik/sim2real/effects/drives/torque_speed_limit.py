@@ -14,8 +14,6 @@ from ..effect import Effect, Example, Parameter
 from ..site import Site
 from .torque_saturation import OF_COMMAND, OF_LAW, asked_of, given_of, kinds
 
-_AT_TOP = 0.15  # how far a line may lie from the top that it is meant to be
-
 
 class TorqueSpeedLimit(Effect):
     """tau = clip(tau_cmd, -S (1 + dq / w), S (1 - dq / w)), no less than 0 in the driving way.
@@ -36,6 +34,8 @@ class TorqueSpeedLimit(Effect):
     confused_with = ("torque_saturation", "torque_gain", "actuator_lag")
     decided_by = "full torque asked for at two speeds, one twice the other, with its command"
     source = "Hughes and Drury, Electric Motors and Drives, 2013, Sec. 3.4 (torque-speed curves)"
+    at_top = 0.15  # share by which a line's figures may be off
+    near_top = 0.225  # log factor by which a line that was fitted may be off
     example = Example(
         values={"stall_torque": 16.0, "no_load_speed": 4.0},
         shape=(OF_COMMAND, 16.0, 4.0),
@@ -89,7 +89,7 @@ class TorqueSpeedLimit(Effect):
 
     def shape_bounds(self, shape: Shape) -> list[tuple[float, float]]:
         """Near the line found first."""
-        low, high = 1.0 - _AT_TOP, 1.0 / (1.0 - _AT_TOP)
+        low, high = 1.0 - self.at_top, 1.0 / (1.0 - self.at_top)
         return [(shape[0], shape[0]), *((low * value, high * value) for value in shape[1:])]
 
     def coefficients(
@@ -109,7 +109,7 @@ class TorqueSpeedLimit(Effect):
         if top is None:
             return False
         near = (shape[1] / top.stall_torque, shape[2] / top.no_load_speed)
-        return all(abs(np.log(each)) < 1.5 * _AT_TOP for each in near)
+        return all(abs(np.log(each)) < self.near_top for each in near)
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

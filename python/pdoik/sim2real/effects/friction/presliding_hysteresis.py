@@ -44,6 +44,7 @@ class PreslidingHysteresis(Effect):
     confused_with = ("coulomb_friction", "backlash", "joint_elasticity")
     decided_by = "reversals of less than a degree at rest, several sizes"
     source = "Dahl, Aerospace Corp. TOR-158, 1968; Canudas de Wit et al., IEEE TAC 40(3), 1995"
+    within = 0.3  # of the travel seen, up to which displacements are looked at
     example = Example(values={"level": 2.0, "displacement": 0.02})
     complexity = 2
     gated = True
@@ -57,7 +58,7 @@ class PreslidingHysteresis(Effect):
         """Displacements over which friction builds up [rad]."""
         (j,) = place.joints
         span = max(float(np.ptp(m.q[:, j])) for m in motions)
-        return [(d,) for d in (0.003, 0.008, 0.02, 0.05, 0.12) if d < 0.3 * span]
+        return [(d,) for d in (0.003, 0.008, 0.02, 0.05, 0.12) if d < self.within * span]
 
     def log_prior(self, shape: Shape) -> float:
         """Bristles of gears and bearings give way by a hundredth of a radian, give or take."""

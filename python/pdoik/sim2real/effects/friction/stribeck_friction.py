@@ -27,6 +27,7 @@ class StribeckFriction(Effect):
     confused_with = ("coulomb_friction", "presliding_hysteresis", "asymmetric_friction")
     decided_by = "constant slow speeds, in steps from a hundredth to a third of the rated speed"
     source = "Bo and Pavelescu, Wear 82(3), 1982"
+    within = 0.5  # of the fastest motion, up to which speeds are looked at
     example = Example(values={"extra": 1.5, "speed": 0.3})
     complexity = 3
     ordinary = True
@@ -39,7 +40,7 @@ class StribeckFriction(Effect):
         fastest = max(float(np.quantile(np.abs(m.dq[:, j]), 0.98)) for m in motions)
         slowest = 5.0 * max(float(m.speed_floor[j]) for m in motions)
         grid = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6)
-        return [(v,) for v in grid if slowest < v < 0.5 * fastest]
+        return [(v,) for v in grid if slowest < v < self.within * fastest]
 
     def columns(self, motion: Motion, place: Place, shape: Shape) -> Columns:
         """Direction, fading with speed."""

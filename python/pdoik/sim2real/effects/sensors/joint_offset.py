@@ -13,7 +13,7 @@ from ...simulation import Part, SensorChange
 from ..effect import Effect, Example, Parameter, on_torque_and_tip
 from ..site import Site
 
-_SMALL = 2e-3  # below it the derivative is as good [rad]
+_SMALL = 2e-3  # numerics: below it the derivative is as good [rad]
 
 
 class JointOffset(Effect):

@@ -35,6 +35,7 @@ class SensorGain(Effect):
     confused_with = ("torque_gain", "kinematic_error", "joint_offset")
     decided_by = "the channel compared with a second instrument"
     source = "sensor calibration"
+    trifle = 5e-3  # a gain off by less is as good as right
     example = Example(values={"gain": 1.03}, shape=(OF_LOGGED_SPEED,), nothing={"gain": 1.0})
     complexity = 2
     makes_up_for_misfit = True
@@ -97,7 +98,7 @@ class SensorGain(Effect):
 
     def trifling(self, values: Mapping[str, float], motion: Motion, place: Place) -> bool:
         """Less than half a percent."""
-        return abs(values["gain"] - 1.0) < 5e-3
+        return abs(values["gain"] - 1.0) < self.trifle
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

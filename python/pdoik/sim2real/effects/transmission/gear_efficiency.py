@@ -11,8 +11,6 @@ from ...simulation import HardFriction, Part, of_driven_load
 from ..effect import Effect, Example, Parameter
 from ..site import Site
 
-_LEAST = 0.1  # of the moving load's mean square that must be seen each way
-
 
 class GearEfficiency(Effect):
     """tau = c |tau_load| sign(dq), c by whether the motor drives the load or the load the motor.
@@ -33,6 +31,7 @@ class GearEfficiency(Effect):
     confused_with = ("load_dependent_friction", "torque_gain", "coulomb_friction")
     decided_by = "the same weight lifted and let down slowly, at two or more weights"
     source = "Wang and Kim, ICRA 2015 (directional efficiency in geared transmissions)"
+    least_each_way = 0.1  # of the moving load's mean square that must be seen each way
     example = Example(values={"driving_loss": 0.1, "driven_loss": 0.3})
     odds = 0.1
     complexity = 3
@@ -55,7 +54,7 @@ class GearEfficiency(Effect):
             [self.columns(m, place, shape)["torque", place.joints[0]] for m in motions]
         )
         squares = np.mean(parts**2, axis=0)
-        return bool(squares.min() > _LEAST * squares.sum())
+        return bool(squares.min() > self.least_each_way * squares.sum())
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""

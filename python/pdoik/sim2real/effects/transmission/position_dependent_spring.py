@@ -30,6 +30,7 @@ class PositionDependentSpring(Effect):
     confused_with = ("link_inertial_error", "torque_offset", "joint_offset", "torque_ripple")
     decided_by = "slow motion through the whole range with the cable taken off"
     source = "a linear spring"
+    least_range = 0.02  # of positions, in which an onset is looked for [rad]
     example = Example(values={"stiffness": 12.0, "onset": 0.4, "side": 1.0}, shape=(1.0, 0.4))
     complexity = 3
     against = "q"
@@ -39,7 +40,7 @@ class PositionDependentSpring(Effect):
         """Side and onset: within the angles that were visited."""
         (j,) = place.joints
         q = np.concatenate([m.q[:, j] for m in motions])
-        if np.ptp(q) < 0.02:
+        if np.ptp(q) < self.least_range:
             return []
         high = np.quantile(q, (0.25, 0.5, 0.65, 0.8, 0.9, 0.96))
         low = np.quantile(q, (0.04, 0.1, 0.2, 0.35, 0.5, 0.75))

@@ -25,6 +25,7 @@ class RotorInertia(Effect):
         "quick motion of this joint with the arm in different poses and of the joint before"
     )
     source = "Featherstone, Rigid Body Dynamics Algorithms, 2008, Sec. 9.6"
+    trifle = 5e-3  # of what the joint accelerates anyway
     example = Example(values={"inertia": 0.2})
     ordinary = True
     size_first = True
@@ -40,7 +41,7 @@ class RotorInertia(Effect):
         if motion.body is None:
             return False
         carried = motion.body.rotor[j] + float(np.mean(motion.mass_matrix[:, j, j]))
-        return bool(values["inertia"] < 5e-3 * carried)
+        return bool(values["inertia"] < self.trifle * carried)
 
     def parts(self, site: Site) -> tuple[Part, ...]:
         """What a simulation is given for it."""
