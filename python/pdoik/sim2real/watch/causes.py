@@ -21,7 +21,6 @@ from ..identify import (
     Linearisation,
     Model,
     Pool,
-    Scored,
     Series,
     anomalous,
     fits_with,
@@ -170,42 +169,45 @@ class _Comparison:
         believed = self.rows.balances.thresholds.diagnosis
         causes: tuple[Hypothesis, ...] = ()
         for _ in range(_MOVES):
-            moves = [(0.0, causes)]
+            now, moves = self.log_posterior(causes), [(0.0, causes)]
             others = self._others(causes) if len(causes) < most else []
-            moves += [(o.log_odds - believed.worth, (*causes, o.hypothesis)) for o in others]
+            moves += [(odds - now - believed.worth, (*causes, other)) for odds, other in others]
             for cause in causes:
-                rest, own = _without(causes, cause), self.log_odds(cause, causes)
-                moves.append((believed.worth - own, rest))
-                least = own + believed.better
+                rest = _without(causes, cause)
+                moves.append((self.log_posterior(rest) - now + believed.worth, rest))
                 others = self._others(rest, cause)
-                moves += [(o.log_odds - least, (*rest, o.hypothesis)) for o in others]
+                moves += [(odds - now - believed.better, (*rest, other)) for odds, other in others]
             gain, after = max(moves, key=lambda move: move[0])
             if gain <= 0.0:
                 break
             causes = after
-        return tuple(sorted(causes, key=lambda each: -self.log_odds(each, causes)))
+        return tuple(sorted(causes, key=lambda each: self.log_posterior(_without(causes, each))))
 
-    def log_odds(self, cause: Hypothesis, causes: Sequence[Hypothesis]) -> float:
-        """That one of the causes is there, the others given."""
-        rest = _without(causes, cause)
-        return self.model((*rest, cause)).log_posterior - self.model(rest).log_posterior
+    def log_posterior(self, causes: Sequence[Hypothesis]) -> float:
+        """Of these causes and no others; -inf where they make no sense."""
+        return self.model(causes).log_posterior
 
-    def rivals(self, causes: tuple[Hypothesis, ...]) -> list[Scored]:
-        """Other causes in the place of the first that are a hundredth as likely at least."""
-        first, rest = causes[0], causes[1:]
-        least = self.log_odds(first, causes) - self.rows.balances.thresholds.diagnosis.level
-        return [each for each in self._others(rest, first) if each.log_odds > least]
+    def rivals(self, causes: tuple[Hypothesis, ...]) -> list[tuple[float, Hypothesis]]:
+        """Other causes in the place of the first that are a hundredth as likely at least.
 
-    def _others(self, causes: Sequence[Hypothesis], gone: Hypothesis | None = None) -> list[Scored]:
-        """What could be there as well: the likeliest few, by their own models."""
+        Each with the log odds by which it is less likely.
+        """
+        first, rest, now = causes[0], causes[1:], self.log_posterior(causes)
+        found = [(now - odds, other) for odds, other in self._others(rest, first)]
+        level = self.rows.balances.thresholds.diagnosis.level
+        return [(worse, other) for worse, other in found if worse < level]
+
+    def _others(
+        self, causes: Sequence[Hypothesis], gone: Hypothesis | None = None
+    ) -> list[tuple[float, Hypothesis]]:
+        """What could be there as well: the likeliest few, with the log posterior of all then."""
         taken = {each.key for each in (*causes, gone) if each is not None}
-        model = self.model(causes)
         found = [
-            Scored(other, self.model((*causes, other)).log_posterior - model.log_posterior)
-            for other in (each.hypothesis for each in serious(self.pool.scored(model)))
+            (self.log_posterior((*causes, other)), other)
+            for other in (each.hypothesis for each in serious(self.pool.scored(self.model(causes))))
             if other.key not in taken and fits_with(other, causes)
         ]
-        return sorted(found, key=lambda each: -each.log_odds)
+        return sorted(found, key=lambda each: -each[0])
 
 
 def _without(causes: Sequence[Hypothesis], gone: Hypothesis) -> tuple[Hypothesis, ...]:
@@ -237,17 +239,12 @@ class CauseSearch:
             comparison = self._comparison(motion, known, better)
             causes = comparison.likeliest(most) or causes
         model, rest = comparison.model(causes), causes[1:]
-        own = comparison.log_odds(causes[0], causes)
         return Explanation(
             onset=better,
             causes=tuple(self._cause(model, each) for each in causes),
             instead=tuple(
-                self._cause(
-                    comparison.model((each.hypothesis, *rest)),
-                    each.hypothesis,
-                    worse=2.0 * (own - each.log_odds),
-                )
-                for each in comparison.rivals(causes)
+                self._cause(comparison.model((other, *rest)), other, worse=2.0 * worse)
+                for worse, other in comparison.rivals(causes)
             ),
             changes=tuple(_change(model, each) for each in causes),
         )

@@ -126,7 +126,7 @@ def test_a_level_that_no_command_of_torque_shows_is_found() -> None:
     assert isinstance(found, CutOff)
     assert found.no_load == np.inf
     assert found.level == pytest.approx(1.6, rel=0.05)
-    assert gained_by(found, own).share > LIMITS.late_gain
+    assert gained_by(found, own, LIMITS).share > LIMITS.late_gain
 
 
 def test_a_line_that_falls_with_speed_is_found() -> None:
