@@ -10,7 +10,6 @@ from .carried_body import CarriedBody
 from .ceiling import Ceiling, ceiling_of, pile_at
 from .cutoff import chosen_cutoff, noise_of
 from .feet import FootMotion
-from .flat_top import FlatTop, Torques, flat_top
 from .foot_forces import with_ground
 from .free_rows import directions_of
 from .given_sessions import given_sessions
@@ -20,7 +19,7 @@ from .place import Balance, Columns, Gate, Key, Place, Shape, tilt_key
 from .prepare import Prepared, motions_of, prepare, simulated
 from .rigid_body import STANDARD_GRAVITY, RigidBody
 from .signals import derivative, dilated, lagged, noise_density, shifted, zero_phase
-from .speed_torque_limit import SpeedTorqueLimit, speed_torque_limit
+from .torque_limits import FlatTop, SpeedTorqueLimit, Torques, flat_top, speed_torque_limit
 from .turned import torque_turned
 
 __all__ = [

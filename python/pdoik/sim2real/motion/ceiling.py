@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray
 
 from ..thresholds import LimitThresholds
-from .flat_top import occasions_of
 from .motion import Motion
+from .torque_limits import occasions_of
 
 _NO_LOADS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0)  # over the fastest speed seen
 _REACHED = (0.9, 0.95, 0.98, 0.99, 0.995, 0.999)  # quantiles at which a ceiling may lie

@@ -26,7 +26,9 @@ class LimitThresholds(Group):
     on_line: float = threshold(
         0.02, "share of the stall torque within which a top is straight despite all noise"
     )
-    kept: float = threshold(0.8, "share of the samples where less is given that lie on a line")
+    kept: float = threshold(
+        0.8, "share of the samples short of what is asked for that must lie on a line"
+    )
     falls: float = threshold(0.08, "share of the stall torque that a line falls by")
     falls_clearly: float = threshold(3.0, "fall of a line over its spread")
     fastest: float = threshold(
@@ -36,7 +38,7 @@ class LimitThresholds(Group):
     least_share: float = threshold(0.02, "the same as a share of all samples")
     least_occasions: int = threshold(3, "occasions on which it must be reached", "occasions")
     piled: float = threshold(2.0, "samples at such a ceiling over those just below it, per N m")
-    over: float = threshold(0.1, "samples beyond a limit, over those at it")
+    over: float = threshold(0.1, "samples beyond a level, line or ceiling, over those at it")
     varies: float = threshold(
         0.7, "spread of gravity or inertia at a ceiling over the width that its noise makes likely"
     )
