@@ -8,13 +8,12 @@ from .balances import Balances, axis_of, columns_of
 from .base_motion import base_motion_of
 from .carried_body import CarriedBody
 from .ceiling import Ceiling, ceiling_of, pile_at
-from .cutoff import chosen_cutoff, noise_of
 from .feet import FootMotion
 from .foot_forces import with_ground
 from .free_rows import directions_of
 from .given_sessions import given_sessions
 from .motion import Motion, motion_of, thinned
-from .motion_noise import ImuNoise
+from .motion_noise import ImuNoise, chosen_cutoff, noise_of
 from .place import Balance, Columns, Gate, Key, Place, Shape, tilt_key
 from .prepare import Prepared, motions_of, prepare, simulated
 from .rigid_body import STANDARD_GRAVITY, RigidBody

@@ -17,7 +17,7 @@ from ..thresholds import Thresholds
 from .free_rows import free_rows
 from .given_sessions import given_sessions
 from .motion import Motion
-from .motion_noise import imu_noise, inertial_noise, position_noise
+from .motion_noise import imu_noise, inertial_noise
 from .place import Balance, Columns, Key, Place, Shape
 from .signals import dilated, noise_density, zero_phase
 
@@ -325,7 +325,7 @@ class Balances:
             if balance == "torque":
                 variance += float(inertial_noise(m)[channel])
             elif balance == "velocity":
-                q_noise = position_noise(m.recording.q, m.period)[channel]
+                q_noise = noise_density(m.recording.q, m.period)[channel]
                 variance += q_noise * (2 * np.pi) ** 2 * m.cutoff**3 / 3
             variances.append(variance)
         return float(np.sqrt(np.mean(variances)))

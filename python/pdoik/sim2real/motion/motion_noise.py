@@ -1,23 +1,23 @@
-"""What noise of the channels leaves in the torques of a motion."""
+"""What noise of channels leaves in the torques of a motion, and the cut-off that it asks for."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from pdoik.recordings import FloatArray
+from pdoik.recordings import FloatArray, Recording
 
+from ..study import highest_cutoff
+from ..thresholds import NoiseThresholds
 from .carried_body import CarriedBody
 from .motion import Motion
+from .rigid_body import RigidBody
 from .signals import noise_density
 
+_DEFAULT = NoiseThresholds()
 _FEW = 50  # samples along a motion at which inertias are looked at
-
-
-def position_noise(q: FloatArray, period: float) -> FloatArray:
-    """Density of white noise in positions, (n,) [rad^2/Hz]."""
-    return noise_density(q, period, 0.25 / period)
 
 
 def inertial_noise(motion: Motion) -> FloatArray:
@@ -26,7 +26,7 @@ def inertial_noise(motion: Motion) -> FloatArray:
     White noise of density S in q is S (2 pi f)^4 in the acceleration: its integral up to the
     cut-off times the mass matrix squared.
     """
-    density = position_noise(motion.recording.q, motion.period)
+    density = noise_density(motion.recording.q, motion.period)
     acceleration = density * (2 * np.pi) ** 4 * motion.cutoff**5 / 5
     squared = np.mean(motion.mass_matrix**2, axis=0)
     if motion.body is not None:
@@ -66,12 +66,12 @@ def imu_noise(motion: Motion) -> ImuNoise:
     assert recording.base is not None
     assert recording.gyro is not None
     assert recording.acc is not None
-    pose = noise_density(recording.base, motion.period, 0.25 / motion.period)
+    pose = noise_density(recording.base, motion.period)
     felt = np.hstack([recording.gyro, recording.acc])
     turns, moves = 4.0 * np.mean(pose[3:]), np.mean(pose[:3])
     return ImuNoise(
         pose=np.repeat([turns, moves], 3),
-        imu=noise_density(felt, motion.period, 0.25 / motion.period),
+        imu=noise_density(felt, motion.period),
     )
 
 
@@ -86,9 +86,46 @@ def base_noise(motion: Motion) -> FloatArray:
         return np.zeros(motion.rows)
     assert recording.acc is not None
     assert recording.gyro is not None
-    felt = noise_density(recording.acc, motion.period, 0.25 / motion.period) * motion.cutoff
-    turned = noise_density(recording.gyro, motion.period, 0.25 / motion.period)
+    felt = noise_density(recording.acc, motion.period) * motion.cutoff
+    turned = noise_density(recording.gyro, motion.period)
     turned = turned * (2 * np.pi) ** 2 * motion.cutoff**3 / 3
     every = max(1, len(motion.q) // _FEW)
     squared = np.mean(body.base_inertia(motion.q[::every]) ** 2, axis=0)
     return np.asarray(squared @ np.concatenate([felt, turned]), dtype=np.float64)
+
+
+def chosen_cutoff(
+    recordings: Sequence[Recording],
+    body: RigidBody | None,
+    noise: FloatArray,
+    limits: NoiseThresholds = _DEFAULT,
+) -> float:
+    """Cut-off of the balances [Hz].
+
+    Positions differentiated twice have noise of density S (2 pi f)^4: at the frequency where the
+    inertia times this is the torque's own noise, a wider filter lets in more noise than signal.
+    """
+    rate = 1.0 / max(r.period for r in recordings)
+    highest = highest_cutoff(limits, rate)
+    if body is None:
+        return highest
+    found = []
+    for recording in recordings:
+        if recording.tau is None:
+            continue
+        inertia = np.stack(
+            [body.mass_diagonal(q) for q in recording.q[:: max(1, len(recording.q) // 20)]]
+        )
+        level = noise_density(recording.tau, recording.period)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.sqrt(level / noise) / np.mean(inertia, axis=0)
+        found.extend(np.sqrt(ratio[np.isfinite(ratio)]) / (2 * np.pi))
+    if not found:
+        return float(min(highest, 10.0))
+    return float(np.clip(np.median(found), min(limits.lowest_cutoff, highest), highest))
+
+
+def noise_of(recordings: Sequence[Recording]) -> FloatArray:
+    """Density of white noise in positions, the median over recordings, (n,) [rad^2/Hz]."""
+    each = [noise_density(r.q, r.period) for r in recordings]
+    return np.asarray(np.median(each, axis=0), dtype=np.float64)

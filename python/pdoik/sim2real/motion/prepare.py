@@ -10,9 +10,9 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..study import Setup, Study
 from .balances import Balances
-from .cutoff import chosen_cutoff, noise_of
 from .foot_forces import with_ground
 from .motion import Motion, motion_of, thinned
+from .motion_noise import chosen_cutoff, noise_of
 from .rigid_body import RigidBody
 
 

@@ -81,7 +81,7 @@ def lagged(values: FloatArray, time_constant: float, period: float) -> FloatArra
     return np.asarray(filtered, dtype=np.float64)
 
 
-def noise_density(values: FloatArray, period: float, above: float) -> FloatArray:
+def noise_density(values: FloatArray, period: float, above: float = 0.0) -> FloatArray:
     """One-sided power density of white noise, from the spectrum above a frequency.
 
     The median over the frequencies from `above` (or half of Nyquist where that is higher) up to

@@ -151,7 +151,7 @@ def speed_torque_limit(
 
 def _noise(torques: Sequence[Torques]) -> float:
     """Standard deviation of white noise in what was given, at the recordings' rate [N m]."""
-    density = [float(noise_density(t[0][:, None], t[3], 0.25 / t[3])[0]) for t in torques]
+    density = [float(noise_density(t[0][:, None], t[3])[0]) for t in torques]
     return float(np.sqrt(np.mean([d * 0.5 / t[3] for d, t in zip(density, torques, strict=True)])))
 
 
