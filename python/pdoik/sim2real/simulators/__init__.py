@@ -13,9 +13,9 @@ recorded commands. Bases are fixed.
         print(finding.statement)
 """
 
-from .base_at_rest import check_base_at_rest
 from .candidates import ParameterId, baseline, model_with, terms_of
 from .climb import Climb
+from .commands import check_base_at_rest
 from .compare import Comparison, compare
 from .differences import differences_of, in_bands
 from .experiment import Experiment, simulated

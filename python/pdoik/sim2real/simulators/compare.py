@@ -14,8 +14,7 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..simulation import SimulationError
 from ..study import Study, load_study, split
-from .base_at_rest import check_base_at_rest
-from .commands import check_commands
+from .commands import check_base_at_rest, check_commands
 from .differences import Difference, differences_of
 from .experiment import simulated
 from .explain import explain

@@ -23,10 +23,9 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..simulation import measured_state
 from .candidates import Values, delays_with, filters_with, model_with
-from .commands import check_commands, fed_forward, mean_over
+from .commands import check_commands, fed_forward, follow, mean_over, settle_actuators
 from .sampled import Sampled
 from .stability import check_states
-from .starts import follow, settle_actuators
 from .user_model import UserModel
 
 WARM = 0.3  # beginning of each run that is not judged [s]

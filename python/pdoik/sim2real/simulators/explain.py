@@ -21,9 +21,8 @@ from .climb import Climb, Mask
 from .common_figures import with_common_figures
 from .experiment import Experiment
 from .follows import check_follows
-from .noise import noise_of
 from .parameters import Parameter, parameters_of
-from .scales import scales_of
+from .scales import noise_of, scales_of
 from .user_model import UserModel
 from .vocabulary import PROPERTIES
 

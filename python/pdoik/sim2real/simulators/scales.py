@@ -1,4 +1,4 @@
-"""Typical sizes of what joints do in some recordings."""
+"""Typical sizes of what joints do in some recordings, and the noise of what sensors show."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from pdoik.recordings import FloatArray
 from .candidates import Values, model_with
 from .experiment import Experiment
 from .vocabulary import PROPERTIES
+
+_FINEST = {"q": 1e-5, "tau": 1e-3}
+"""What no sensor shows [rad], [N m]: noise of logs that have none, those of simulators."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +52,18 @@ def scales_of(experiment: Experiment, values: Values) -> tuple[Scales, ...]:
             )
         )
     return tuple(found)
+
+
+def noise_of(experiment: Experiment) -> FloatArray:
+    """White noise of each channel, from third differences of neighbouring samples, (C,)."""
+    found = []
+    for channel, k in experiment.channels:
+        squares = []
+        for each in experiment.recordings:
+            values = getattr(each, channel)[:, k]
+            squares.append(float(np.median(np.diff(values, 3) ** 2)) / 0.455 / 20.0)
+        found.append(max(np.sqrt(np.mean(squares)), _FINEST[channel]))
+    return np.array(found)
 
 
 def _rms(values: FloatArray) -> float:
