@@ -35,7 +35,7 @@ class Series:
     least_repeats: float = 1.0  # rows that say the same, as they are filtered
     independent: float = 0.0  # rows that say something new; all but `least_repeats` at first
     width: int = 0
-    columns: FloatArray = field(init=False)  # (N, room)
+    columns: FloatArray = field(init=False)  # (N, room), the first `width` of them are there
     gram: FloatArray = field(init=False)  # (room, room)
     moment: FloatArray = field(init=False)  # (room,)
     square: float = field(init=False)
@@ -43,7 +43,7 @@ class Series:
     def __post_init__(self) -> None:
         count = len(self.rows)
         self.independent = self.independent or count / self.least_repeats
-        self.columns = np.zeros((count, _ROOM), order="F")
+        self.columns = np.empty((count, _ROOM), order="F")
         self.gram, self.moment = np.zeros((_ROOM, _ROOM)), np.zeros(_ROOM)
         self.square = float(self.target @ self.target)
 
@@ -63,7 +63,7 @@ class Series:
 
     def _grow(self) -> None:
         room = 2 * self.columns.shape[1]
-        columns = np.zeros((len(self.rows), room), order="F")
+        columns = np.empty((len(self.rows), room), order="F")
         columns[:, : self.width] = self.columns[:, : self.width]
         gram, moment = np.zeros((room, room)), np.zeros(room)
         gram[: self.width, : self.width] = self.gram[: self.width, : self.width]

@@ -27,9 +27,14 @@ _SETTLED = 0.02  # numerics: relative change of a variance that is none
 _LEAST_FREE = 0.25  # share of the independent rows that coefficients leave at least
 _NO_PULL = 1e-9  # numerics: against a bound, of the largest there is
 _ACTS = 0.0025  # numerics: of a part's largest square, from which it acts
+_EXACT = 1e-7  # numerics: of a sum of squares, below which differences of sums are not used
 _TRACE = 1e-11  # of ridge, where columns are scaled to one
 
 LEAST_OWN = 0.5  # of a mean square, that is no noise of sensors, however small
+
+
+_Sums = tuple[tuple[NDArray[np.intp], ...], FloatArray, NDArray[np.intp], FloatArray]
+"""Of a balance: where its coefficients' products stand, these, where they stand, their moments."""
 
 
 def unexplained(left: float, noise: float) -> float:
@@ -99,33 +104,43 @@ class Model:
 
     def _place(self) -> None:
         """Which coefficients act in each balance, and which of its columns are theirs."""
-        own: dict[Key, list[NDArray[np.intp]]] = {}
-        there: dict[Key, list[NDArray[np.intp]]] = {}
+        own: dict[Key, list[int]] = {}
+        there: dict[Key, list[int]] = {}
         for hypothesis, span in self.placed:
             for key, local in self.data.spans(hypothesis.term).items():
-                own.setdefault(key, []).append(np.arange(span.start, span.stop))
-                there.setdefault(key, []).append(np.arange(local.start, local.stop))
+                own.setdefault(key, []).extend(range(span.start, span.stop))
+                there.setdefault(key, []).extend(range(local.start, local.stop))
         for key in self.data.series:
-            if key in own:
-                self.index[key] = np.concatenate(own[key]), np.concatenate(there[key])
-            else:
-                self.index[key] = np.zeros(0, np.intp), np.zeros(0, np.intp)
+            self.index[key] = (
+                np.array(own.get(key, ()), dtype=np.intp),
+                np.array(there.get(key, ()), dtype=np.intp),
+            )
 
     def _settle(self, noise: Mapping[Key, float], rounds: int) -> None:
+        sums = {
+            key: (
+                np.ix_(own, own),
+                self.data.series[key].gram[np.ix_(there, there)],
+                own,
+                self.data.series[key].moment[there],
+            )
+            for key, (own, there) in self.index.items()
+            if len(own)
+        }
         if self._known is not None:
             self.noise = dict(self._known)
-            self._solve()
+            self._solve(sums)
             return
         for key, series in self.data.series.items():
             first = max(series.square / len(series.rows), series.floor**2)
             self.noise[key] = noise.get(key, first)
         for _ in range(rounds):
-            self._solve()
+            self._solve(sums)
             before = self.noise
             self.noise = {key: self._variance_of(key) for key in before}
             if all(abs(self.noise[k] / before[k] - 1.0) < _SETTLED for k in before):
                 break
-        self._solve()
+        self._solve(sums)
 
     def weight(self, key: Key) -> float:
         """Weight of a row of a balance: the share of independent rows over the variance."""
@@ -134,14 +149,13 @@ class Model:
 
     _variances: FloatArray | None = None
 
-    def _solve(self) -> None:
+    def _solve(self, sums: Mapping[Key, _Sums]) -> None:
         """Coefficients, those that cannot be negative at least 0."""
         gram, moment = np.diag(self.precision), self.precision * self.mean
-        for key, (own, there) in self.index.items():
-            if len(own):
-                series, weight = self.data.series[key], self.weight(key)
-                gram[np.ix_(own, own)] += weight * series.gram[np.ix_(there, there)]
-                moment[own] += weight * series.moment[there]
+        for key, (grid, own_gram, own, own_moment) in sums.items():
+            weight = self.weight(key)
+            gram[grid] += weight * own_gram
+            moment[own] += weight * own_moment
         self.gram = gram
         self._left, self._variances = {}, None
         size = np.sqrt(np.diag(gram))
@@ -183,12 +197,23 @@ class Model:
             self._left[key] = left
         return self._left[key]
 
+    def mean_square(self, key: Key) -> float:
+        """Mean square of what is left of a balance, by sums where these are exact enough."""
+        series, (own, there) = self.data.series[key], self.index[key]
+        beta = self.beta[own]
+        gram, moment = series.gram[np.ix_(there, there)], series.moment[there]
+        square = series.square + float(beta @ (gram @ beta - 2.0 * moment))
+        if square < _EXACT * series.square:
+            left = self.left(key)
+            square = float(left @ left)
+        return square / len(series.rows)
+
     def _variance_of(self, key: Key) -> float:
         """The likeliest variance, coefficients that the balance determines taken off the rows."""
-        series, left = self.data.series[key], self.left(key)
+        series = self.data.series[key]
         rows = series.independent
         free = max(rows - self._used(key), _LEAST_FREE * rows)
-        return max(float(left @ left) / len(left) * rows / free, series.floor**2)
+        return max(self.mean_square(key) * rows / free, series.floor**2)
 
     def _used(self, key: Key) -> float:
         """How many coefficients this balance determines, MacKay's gamma."""
@@ -223,8 +248,8 @@ class Model:
         """Log evidence of the model's rows, all that no model changes left out."""
         total = 0.0
         for key, variance in self.noise.items():
-            left, rows = self.left(key), self.data.series[key].independent
-            total -= 0.5 * rows * (np.log(variance) + float(left @ left) / len(left) / variance)
+            rows = self.data.series[key].independent
+            total -= 0.5 * rows * (np.log(variance) + self.mean_square(key) / variance)
         away = self.beta - self.mean
         total -= 0.5 * float(np.sum(self.precision * away**2))
         at = self.active

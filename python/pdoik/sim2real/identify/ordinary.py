@@ -65,6 +65,7 @@ class Ordinary:
     widths: dict[int, Shape] = field(default_factory=dict)  # of each joint's Coulomb friction
     levels: dict[tuple[str, int], float] = field(default_factory=dict)  # that days change
     days: float = 0.0  # by which share; 0: as is usual
+    _frictions: dict[tuple[int, int, float, float], Pool] = field(default_factory=dict)
     _days: dict[tuple[str, int, int, Shape], Term] = field(default_factory=dict)
 
     @property
@@ -210,13 +211,13 @@ class Ordinary:
         if not here:
             return now
         size = here[0].precision[0] ** -0.5
-        bare, tried = model.without(*here), {now[0], *_WIDTHS}
+        others = [h for h in model.hypotheses if not any(h is each for each in here)]
+        bare, tried = Model(model.data, others, model, rounds=0), {now[0], *_WIDTHS}
         odds: dict[float, float] = {}
         for _ in range(_HALVINGS):
-            fresh = [self.term(CoulombFriction.id, j, (w,)) for w in sorted(tried - odds.keys())]
-            made = [ordinary(term, size, positive=True) for term in fresh if term is not None]
-            scored = Pool(model.data, made).scored(bare)
-            odds |= {each.hypothesis.term.shape[0]: each.log_odds for each in scored}
+            for width in sorted(tried - odds.keys()):
+                for each in self._alone(model, j, width, size).scored(bare):
+                    odds[width] = each.log_odds
             if not odds:
                 return now
             best, widths = max(odds, key=lambda width: odds[width]), sorted(odds)
@@ -224,6 +225,15 @@ class Ordinary:
             neighbours = (widths[max(at - 1, 0)], widths[min(at + 1, len(widths) - 1)])
             tried = {0.5 * (best + other) for other in neighbours}
         return (best,)
+
+    def _alone(self, model: Model, j: int, width: float, size: float) -> Pool:
+        """Coulomb friction of a width alone, made once: its columns and sums serve many models."""
+        at = (id(model.data), j, width, size)
+        if at not in self._frictions:
+            term = self.term(CoulombFriction.id, j, (width,))
+            made = [] if term is None else [ordinary(term, size, positive=True)]
+            self._frictions[at] = Pool(model.data, made)
+        return self._frictions[at]
 
 
 _POSITIVE = (ViscousFriction.id, CoulombFriction.id, RotorInertia.id)

@@ -46,7 +46,8 @@ class _Of:
     columns: NDArray[np.float32]  # (N, w)
     index: NDArray[np.intp]  # (w,) of the pool's coefficients
     moment: FloatArray  # (w,)
-    cross: FloatArray  # (columns of the series, w), as many as were asked for
+    cross: FloatArray  # (columns of the series, w)
+    known: NDArray[np.bool_]  # (columns of the series,) which of these were asked for
 
 
 class Pool:
@@ -78,6 +79,7 @@ class Pool:
                     index=np.concatenate(index),
                     moment=np.concatenate(moments),
                     cross=np.zeros((0, columns.shape[1])),
+                    known=np.zeros(0, dtype=np.bool_),
                 )
 
     def scored(self, model: Model) -> list[Scored]:
@@ -87,10 +89,10 @@ class Pool:
         moment, cross = np.zeros(self._size), np.zeros((model.size, self._size))
         for key, of in self._of.items():
             own, there = model.index[key]
-            weight, inner = model.weight(key), self._cross(key)
+            weight = model.weight(key)
             moment[of.index] += weight * of.moment
             if len(own):
-                here = weight * inner[there]
+                here = weight * self._cross(key, there)
                 cross[np.ix_(own, of.index)] += here
                 moment[of.index] -= model.beta[own] @ here
         at = np.flatnonzero(model.active)
@@ -110,18 +112,21 @@ class Pool:
                 found.append(Scored(each, odds + each.log_odds))
         return sorted(found, key=lambda scored: -scored.log_odds)
 
-    def _cross(self, key: Key) -> FloatArray:
-        """Products of the series' columns with the pool's; those that are new are added."""
+    def _cross(self, key: Key, there: NDArray[np.intp]) -> FloatArray:
+        """Products of some of the series' columns with the pool's, each worked out once."""
         series, of = self.data.series[key], self._of[key]
-        done = len(of.cross)
-        if done < series.width:
-            new, width = series.columns[:, done : series.width].T, of.columns.shape[1]
-            parts = [
-                new @ of.columns[:, k : k + _AT_ONCE].astype(np.float64)
-                for k in range(0, width, _AT_ONCE)
-            ]
-            of.cross = np.vstack([of.cross, np.hstack(parts)])
-        return of.cross
+        more = series.width - len(of.known)
+        if more > 0:
+            of.cross = np.vstack([of.cross, np.empty((more, of.columns.shape[1]))])
+            of.known = np.concatenate([of.known, np.zeros(more, dtype=np.bool_)])
+        new = there[~of.known[there]]
+        if len(new):
+            columns = series.columns[:, new].T
+            for k in range(0, of.columns.shape[1], _AT_ONCE):
+                part = of.columns[:, k : k + _AT_ONCE].astype(np.float64)
+                of.cross[new, k : k + _AT_ONCE] = columns @ part
+            of.known[new] = True
+        return of.cross[there]
 
 
 def log_bayes(each: Hypothesis, moment: FloatArray, gram: FloatArray) -> float:

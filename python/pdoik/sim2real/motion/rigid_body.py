@@ -109,19 +109,18 @@ class RigidBody:
         """Torques and derivatives, for (T, n) each."""
         model, data, rows = self.model, self._data, self._rows
         count, n = q.shape
-        grid = np.ix_(rows, self._v)
+        grid = np.ix_(np.arange(count), rows, self._v)
         configuration, velocity = self._position(q), self._velocity(dq)
         acceleration = self._acceleration(ddq)
-        tau = np.empty((count, len(rows)))
-        by_q, by_v, mass = (np.empty((count, len(rows), n)) for _ in range(3))
+        tau = np.empty((count, model.nv))
+        by_q, by_v, mass = (np.empty((count, model.nv, model.nv)) for _ in range(3))
         by_gravity = self._by_gravity(configuration)
         for t in range(count):
             pin.computeRNEADerivatives(model, data, configuration[t], velocity[t], acceleration[t])
-            tau[t] = data.tau[rows]
-            by_q[t] = data.dtau_dq[grid]
-            by_v[t] = data.dtau_dv[grid]
-            whole = np.triu(data.M)
-            mass[t] = (whole + np.triu(whole, 1).T)[grid]
+            tau[t], by_q[t], by_v[t], mass[t] = data.tau, data.dtau_dq, data.dtau_dv, data.M
+        tau, by_q, by_v = tau[:, rows], by_q[grid], by_v[grid]
+        upper = np.triu(mass)  # Pinocchio leaves the other half as it was
+        mass = (upper + np.triu(upper, 1).transpose(0, 2, 1))[grid]
         tau[:, :n] += self.rotor * ddq + self.damping * dq
         tau[:, :n] += self.friction * np.tanh(dq / _SPEED_OF_REST)
         return Dynamics(
