@@ -49,7 +49,7 @@ def main(model_file: Path, out: Path) -> None:
     for k, name in enumerate(CHARTS):
         lower.plot(rows.time[:used], path[:, JOINT, k].max(axis=1), lw=1.4, label=name)
     lower.axhline(charts.threshold, color="k", ls="--", lw=0.8, label="threshold, 1 in 24 h")
-    lower.set(ylabel="CUSUM [log likelihood ratio]", xlabel="time [s]")
+    lower.set(ylabel="CUSUM [log likelihood ratio]", xlabel="time [s]", xlim=(0.0, 1.2 * SECONDS))
     for axes in (upper, lower):
         axes.axvline(SINCE, color="#c0392b", lw=1.0, label="friction doubles")
         for alarm in alarms:
