@@ -5,9 +5,8 @@ distinguished by rollouts, and figures are moved to where rollouts leave least. 
 """
 
 from .confirm_by_simulation import confirmed_by_simulation, run_without
-from .refine_by_rollouts import refine_by_rollouts
+from .refine_by_rollouts import refine_by_rollouts, simulated_estimates
 from .rollouts import Arm, Rollout, why_not
-from .simulated_estimates import simulated_estimates
 
 __all__ = [
     "Arm",

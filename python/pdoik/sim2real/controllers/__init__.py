@@ -9,10 +9,9 @@ channels.
 from .check_controllers import ControllerCheck, check_controllers
 from .cut_off import CutOff, cut_off, gained_by
 from .estimate import joint_law
-from .feeds import Feeds
 from .lateness import Late, later_ones
 from .linear_law import Strip, law_of, strips_of
-from .rows import pieces_of
+from .rows import Feeds, pieces_of
 from .words import contradictions, of_load
 
 __all__ = [

@@ -14,9 +14,9 @@ from ..motion import Prepared, prepare, thinned
 from ..study import Controller, GivenController, Study, VoltageDrive
 from .drive_findings import Drives, drive_findings
 from .estimate import JointLaw, joint_law
-from .feeds import Feeds
 from .given import SEEN_ITSELF, compared, given_gains
 from .load import Load, in_words, load_of
+from .rows import Feeds
 from .voltage import Motor, motor_of, supply, with_torque
 from .words import contradictions, drive_in_words, law_in_words, nothing_known, with_untellable
 

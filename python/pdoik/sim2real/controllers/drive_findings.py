@@ -26,10 +26,9 @@ from ..motion import Ceiling, Prepared, ceiling_of, pile_at
 from ..regression import where_in_words
 from . import cut_off, lateness
 from .cut_off import CutOff
-from .feeds import Feeds
 from .lateness import Late
 from .linear_law import Gained, Strip, followed, strips_of
-from .rows import effort_of, pieces_of
+from .rows import Feeds, effort_of, pieces_of
 
 Values = dict[str, tuple[float, float]]
 """Figures with their errors."""

@@ -13,9 +13,8 @@ from pdoik.recordings import Recording
 from ..findings import ControllerEstimate, Estimate
 from ..thresholds import ControllerThresholds
 from .choose import Chosen, chosen, let_go, predicted
-from .feeds import Feeds
 from .law import Fitted
-from .rows import EFFORTS, Piece, effort_of, pieces_of
+from .rows import EFFORTS, Feeds, Piece, effort_of, pieces_of
 
 _RESTING = 50  # numerics: samples without a change that are a rest
 _LEAST_HELD = 20  # numerics: changes by which a period is found

@@ -14,14 +14,13 @@ from .figures import estimates, event_estimates, values_and_errors
 from .flexible import count_independent
 from .hypothesis import Hypothesis, anomalous, ordinary
 from .identified import Identified, Part, Weighed
-from .identify import identify
+from .identify import identify, relinearised
 from .linearisation import Linearisation, Series
 from .model import Model
 from .ordinary import OF_JOINTS, Ordinary, changes_of
 from .pool import Pool, Scored
 from .posterior import Posterior
 from .predicted import Expected, Noise, Remainder, all_else, expected, recorded, remainder
-from .relinearised import relinearised
 from .support import as_trusted, held_out_support
 from .weighing import State, serious
 

@@ -1,23 +1,86 @@
 """Hypotheses that only what is left can suggest.
 
-Harmonics, parts of time or of the positions, pushes, and torques without a name. They are
-compared like all others; how many of their kind were looked at is in their odds.
+Harmonics, parts of time or of the positions, pushes, effects that begin in the middle of a
+recording and stay, and torques without a name. They are compared like all others; how many of their
+kind were looked at is in their odds. What differs between two recordings is another day's friction
+before it is a fault, so an onset lies inside a recording, and says more there than at any border.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from pdoik.recordings import FloatArray
+
 from ..effects import CATALOGUE, VARIABLES, Unknown
-from ..motion import Balances, Gate, Key, Place, Shape
-from ..regression import Fit, Term, term_of
+from ..motion import Balances, Gate, Key, Place, Shape, axis_of
+from ..regression import Fit, Term, gains_alone, term_of
 from .contacts import contact_term
 from .gates import PARTS, likely_gates, plain_terms, terms_at, with_gate
 from .harmonics import harmonic_terms
 from .hypothesis import Hypothesis, anomalous
-from .onsets import MOMENTS, likely_onset, may_begin
+
+_FEWEST = 10  # numerics: rows beyond a fit's own
+MOMENTS = 60  # moments of the study at which an onset is looked for first
+
+
+@dataclass(frozen=True, slots=True)
+class Onset:
+    gain: float  # of the training cost, by the gated column alone
+    since: float
+    term: Term
+
+
+def _key(j: int) -> Key:
+    return ("torque", j)
+
+
+def may_begin(term: Term) -> bool:
+    """Whether a machine may have it since a moment: whatever breaks, sticks or comes loose."""
+    effect = CATALOGUE[term.effect]
+    return not (effect.fixed or effect.costly or effect.shown_poorly)
+
+
+def likely_onset(fit: Fit, term: Term, j: int) -> Onset | None:
+    """The moment since when the term explains most; None where a border between recordings does."""
+    b, key = fit.balances, _key(j)
+    if key not in term.columns:
+        return None
+    rows = fit.rows[key]
+    clock = b.sampled([axis_of(m, "clock", j) for m in b.motions])[rows]
+    column = term.columns[key][rows] / b.sigma[key]
+    residual = fit.residual(key)
+    borders = np.array([m.clock for m in b.motions])
+    inside = _moments(b, clock, borders)
+    at = [_gain(term, column, residual, clock >= since) for since in inside]
+    if not at:
+        return None
+    best = int(np.argmax(at))
+    between = max(_gain(term, column, residual, clock >= since) for since in borders)
+    if at[best] <= (1.0 + b.thresholds.diagnosis.moment_better) * between:
+        return None
+    return Onset(at[best], float(inside[best]), term)
+
+
+def _moments(balances: Balances, clock: FloatArray, borders: FloatArray) -> FloatArray:
+    """Moments of the study away from the recordings' borders."""
+    away = balances.thresholds.noise.block
+    moments = np.quantile(clock, np.linspace(0.02, 0.98, MOMENTS))
+    ends = [m.clock + float(m.time[-1]) for m in balances.motions]
+    near = np.min(np.abs(moments[:, None] - np.concatenate([borders, ends])[None, :]), axis=1)
+    return np.asarray(moments[near > away])
+
+
+def _gain(term: Term, column: FloatArray, residual: FloatArray, since: FloatArray) -> float:
+    part = column[since]
+    if len(part) < 2 * part.shape[1] + _FEWEST:
+        return 0.0
+    betas, gains = gains_alone((part.T @ residual[since])[None], (part.T @ part)[None])
+    return float(gains[0]) if CATALOGUE[term.effect].admissible(betas[0]) else 0.0
+
 
 _OF_NORMAL = 0.6745  # median of the size of what is normal, over its standard deviation
 _HARMONICS = 300.0  # of a joint that are looked at

@@ -5,14 +5,12 @@ out come in here, last, and change no finding. Next: evidence and report.
 """
 
 from .answerable import why_unanswerable
-from .changing_friction import spreads_of
 from .conclude import Examination, conclude
-from .event_support import event_support
-from .figures import at_bound, within_bounds
-from .residue import residue_of
+from .events import event_support
+from .figures import at_bound, with_torque_scale, within_bounds
 from .sampling import blur, lateness, shared_by_all, widened
-from .torque_scale import with_torque_scale
-from .verdict import preferred, simulator_notes, source_in_words, verdict_of
+from .standing_out import spreads_of
+from .verdict import preferred, residue_of, simulator_notes, source_in_words, verdict_of
 
 __all__ = [
     "Examination",

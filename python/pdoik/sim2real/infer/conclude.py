@@ -37,14 +37,11 @@ from ..regression import (
     finding_of,
     link_of,
 )
-from .changing_friction import changing, spreads_of, with_changes
-from .events import held_out_contacts, within
-from .figures import Figures, figures_of
-from .held_out_limits import held_out_limits
+from .events import held_out_contacts, held_out_limits, within
+from .figures import Figures, figures_of, with_torque_scale
 from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
-from .outstanding import with_outstanding
 from .shared import merged
-from .torque_scale import with_torque_scale
+from .standing_out import changing, spreads_of, with_changes, with_outstanding
 from .unsaid import with_unsaid
 from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
 

@@ -5,8 +5,7 @@ what was measured less what the model says, through one filter, with noise floor
 """
 
 from .balances import Balances, axis_of, columns_of
-from .base_motion import base_motion_of
-from .carried_body import CarriedBody
+from .base_motion import CarriedBody, base_motion_of
 from .ceiling import Ceiling, ceiling_of, pile_at
 from .feet import FootMotion
 from .foot_forces import with_ground

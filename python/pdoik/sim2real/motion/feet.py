@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pdoik.recordings import FloatArray, Recording
 
 from ..study import FloatingBase, Foot
-from .carried_body import CarriedBody
+from .base_motion import CarriedBody
 from .place import Balance, Key
 from .rigid_body import STANDARD_GRAVITY
 from .signals import dilated, zero_phase

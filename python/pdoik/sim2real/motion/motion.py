@@ -13,8 +13,7 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..study import Controller, FloatingBase, Setup
 from ..thresholds import Thresholds
-from .base_motion import BaseMotion, base_motion_of
-from .carried_body import CarriedBody
+from .base_motion import BaseMotion, CarriedBody, base_motion_of
 from .feet import FootMotion, feet_of
 from .place import Columns, Key, foot_of, tilt_key
 from .rigid_body import RigidBody

@@ -11,7 +11,7 @@ from pdoik.recordings import FloatArray, Recording
 
 from ..study import highest_cutoff
 from ..thresholds import NoiseThresholds
-from .carried_body import CarriedBody
+from .base_motion import CarriedBody
 from .motion import Motion
 from .rigid_body import RigidBody
 from .signals import noise_density

@@ -16,16 +16,13 @@ from .naming import (
     where_in_words,
     without_idle_gate,
 )
-from .one_more import OneMore, gains_alone
 from .prediction import Prediction, share_by_blocks
 from .random_effects import Spread, spread_between
 from .real_bodies import nearest, with_real_bodies
-from .refine import refined
-from .repeats import repeats, repeats_of
+from .refine import OneMore, gains_alone, refined
 from .second_order import to_second_order
-from .tolerances import SCALE, SPEED, ZERO, Tolerance
-from .trusted_bodies import DAYS, TRUST, effect_of, trusted
-from .wald import robust, wald
+from .trusted_bodies import DAYS, SCALE, SPEED, TRUST, ZERO, Tolerance, effect_of, trusted
+from .wald import repeats, repeats_of, robust, wald
 
 __all__ = [
     "BACKGROUND",

@@ -18,8 +18,8 @@ from pdoik.recordings import FloatArray
 from ..effects.sensors import ImuOffset, ImuTilt
 from ..motion import Balances, Columns, Key, Motion, Place, Shape
 from .fit import Fit, Term, term_of
-from .repeats import repeats_of
 from .trusted_bodies import trusted
+from .wald import repeats_of
 
 BACKGROUND = "background"
 """Effect id of the terms; none of the catalogue."""

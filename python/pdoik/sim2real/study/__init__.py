@@ -8,12 +8,11 @@ Next: motion.
 
 from .controller import GAINS, Controller, GivenController, VoltageDrive
 from .controller_key import given_controller
-from .excerpts import excerpted
+from .excerpts import ROWS, excerpted, highest_cutoff
 from .floating_base import FloatingBase, Foot, Ground
 from .key_tables import reference
 from .keys import read_part, trust_from
 from .payload import Payload
-from .rates import ROWS, highest_cutoff
 from .read_study import load_study
 from .reading_key import reading_of_study
 from .split import part, split

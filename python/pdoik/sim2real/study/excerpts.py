@@ -1,4 +1,4 @@
-"""Uses minutes, spread evenly, of logs of an hour: more says nothing new, and takes long."""
+"""How finely recordings are looked at, and minutes of an hour: more says nothing new."""
 
 from __future__ import annotations
 
@@ -9,9 +9,18 @@ import numpy as np
 
 from pdoik.recordings import Recording
 
-from .rates import ROWS, highest_cutoff
+from ..thresholds import NoiseThresholds
 from .split import part
 from .study import Study
+
+ROWS = 3.0
+"""Rows of a balance for each period of its cut-off."""
+
+
+def highest_cutoff(limits: NoiseThresholds, rate: float) -> float:
+    """The highest cut-off of balances [Hz] for recordings sampled at `rate` [Hz]."""
+    return min(limits.highest_cutoff, limits.cutoff_of_rate * rate)
+
 
 _PIECE = 30.0  # about the length of an excerpt [s]
 

@@ -4,9 +4,8 @@ Comes in: a study. Goes out: `StudyCheck`: channels, motion, and of every effect
 smallest size that would be seen, or why none would.
 """
 
-from .check import StudyCheck, check_study
+from .check import RecordingCheck, StudyCheck, check_study
 from .joints import JointCheck
-from .recordings import RecordingCheck
 from .visible import Visible
 
 __all__ = ["JointCheck", "RecordingCheck", "StudyCheck", "Visible", "check_study"]

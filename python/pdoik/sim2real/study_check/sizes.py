@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,43 @@ from ..effects import Effect, Parameter
 from ..identify import Expected, Model, all_else, anomalous, expected, recorded, remainder
 from ..motion import Key, Place, Prepared, Shape
 from ..regression import Term, usual_torque
-from .amounts import bisected
+
+_STEPS = 12  # from amount to amount at most
+
+
+def bisected(
+    clarity: Callable[[float], float], tried: Sequence[float], begin: float, most: float
+) -> float:
+    """The amount of clarity 1, of what is not in proportion to its amount; inf for none.
+
+    Goes along the amounts that are tried, else by factors of two, and below them by these.
+    """
+    amount, here = begin, clarity(begin)
+    up = here < 1.0
+    for _ in range(_STEPS):
+        other = _next(tried, amount, up)
+        if other is None or other > most:
+            return np.inf
+        there = clarity(other)
+        if (there < 1.0) != up:
+            return _between(amount, here, other, there)
+        amount, here = other, there
+    return np.inf if up else amount
+
+
+def _next(tried: Sequence[float], amount: float, up: bool) -> float | None:
+    """The next amount, larger or smaller; None beyond the largest that is tried."""
+    if up:
+        return min((each for each in tried if each > amount), default=None if tried else 2 * amount)
+    return max((each for each in tried if each < amount), default=0.5 * amount)
+
+
+def _between(one: float, at_one: float, other: float, at_other: float) -> float:
+    """The amount of clarity 1 between two, on a line over logarithms."""
+    low, high = np.log(max(at_one, 1e-6)), np.log(max(at_other, 1e-6))
+    share = 0.0 if high == low else -low / (high - low)
+    return float(one * (other / one) ** share)
+
 
 _BEYOND = 1e6  # numerics: a figure at which an effect does nothing, from which it is without end
 _SHARE = 0.02  # of the time, the amount to begin with where the amount is a share

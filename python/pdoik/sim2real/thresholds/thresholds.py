@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, replace
 
-from .channels import ChannelThresholds
-from .confidence import ConfidenceThresholds
-from .controllers import ControllerThresholds
-from .diagnosis import DiagnosisThresholds
-from .feet import FeetThresholds
-from .limits import LimitThresholds
-from .noise import NoiseThresholds
-from .priors import PriorThresholds
-from .propose import ProposeThresholds
-from .simulators import SimulatorThresholds
+from .table import (
+    ChannelThresholds,
+    ConfidenceThresholds,
+    ControllerThresholds,
+    DiagnosisThresholds,
+    FeetThresholds,
+    LimitThresholds,
+    NoiseThresholds,
+    PriorThresholds,
+    ProposeThresholds,
+    SimulatorThresholds,
+    WatchThresholds,
+)
 from .threshold import numbers_of
-from .watch import WatchThresholds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
