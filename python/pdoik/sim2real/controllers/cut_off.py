@@ -19,8 +19,16 @@ from ..effects import CATALOGUE
 from ..effects.drives import TorqueSaturation, TorqueSpeedLimit
 from ..findings import Support
 from ..thresholds import ControllerThresholds
-from .linear_law import Gained, Strip, explicit, followed_by_others, gained
-from .linear_model import LinearModel, Parameter, parts_of
+from .linear_law import (
+    Gained,
+    LinearModel,
+    Parameter,
+    Strip,
+    explicit,
+    followed_by_others,
+    gained,
+    parts_of,
+)
 
 _LEVELS = (0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 0.98)  # of the highest effort
 _FASTEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0)  # no-load speeds over the fastest seen

@@ -17,8 +17,7 @@ from ..effects import CATALOGUE
 from ..effects.drives import ActuatorLag, CommandDelay
 from ..findings import Support
 from ..thresholds import ControllerThresholds
-from .linear_law import Gained, Strip, followed_by_others, gained, law_of
-from .linear_model import LinearModel
+from .linear_law import Gained, LinearModel, Strip, followed_by_others, gained, law_of
 
 _TIMES = np.array([0, 4, 8, 12, 16, 24, 32, 40, 50, 65, 80, 100, 125, 150, 180, 220]) * 1e-3
 _SKEWS = np.array([-60, -40, -20, -10, 0, 5, 10, 15, 20, 30, 40, 60, 80, 110, 150]) * 1e-3

@@ -17,7 +17,7 @@ from pdoik.recordings import FloatArray
 
 from ..motion import lagged, shifted
 from ..thresholds import ControllerThresholds
-from .linear_model import LinearModel, Parameter, parts_of
+from .linear_law import LinearModel, Parameter, parts_of
 from .rows import Piece
 
 Kind = Literal["pd", "pid", "cascade", "table"]

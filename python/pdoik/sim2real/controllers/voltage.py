@@ -27,7 +27,7 @@ from ..findings import Estimate
 from ..motion import Balances, Motion, derivative, zero_phase
 from ..study import GivenController
 from ..thresholds import ControllerThresholds
-from .linear_model import LinearModel, Parameter, parts_of
+from .linear_law import LinearModel, Parameter, parts_of
 
 _THINNED = 10  # numerics: rows of a log to one that says something of a voltage
 _LOADED = 0.05  # numerics: range of duties that a supply's loss shows in

@@ -7,7 +7,6 @@ What was identified is confirmed by simulation in `confirm` and reported by `inf
 """
 
 from .candidates import candidates
-from .company import fits_with
 from .confidence import confidence_of, features
 from .contacts import Window, acting, clearest, contact_term, pauses, stands
 from .figures import estimates, event_estimates, values_and_errors
@@ -22,7 +21,7 @@ from .pool import Pool, Scored
 from .posterior import Posterior
 from .predicted import Expected, Noise, Remainder, all_else, expected, recorded, remainder
 from .support import as_trusted, held_out_support
-from .weighing import State, serious
+from .weighing import State, fits_with, serious
 
 __all__ = [
     "OF_JOINTS",

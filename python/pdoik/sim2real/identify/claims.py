@@ -20,7 +20,6 @@ from ..effects.drives import TorqueGain
 from ..findings import ERRORS, Support
 from ..motion import Balances
 from ..regression import DAYS, TRUST, Fit, Term, TermKey, Tolerance, term_of
-from .company import fits_with, wider
 from .confidence import confidence_of
 from .hypothesis import Hypothesis
 from .identified import Identified, Part, Weighed
@@ -29,7 +28,7 @@ from .ordinary import days_of
 from .pool import Pool, Scored
 from .posterior import Posterior
 from .support import as_trusted, held_out_support, machines_with
-from .weighing import State, serious
+from .weighing import State, fits_with, serious, wider
 
 _MOST_RIVALS = 4  # rivals of a cause
 

@@ -10,11 +10,10 @@ from collections.abc import Collection, Sequence
 
 from ..effects import CATALOGUE
 from ..regression import TermKey
-from .company import fits_with, of_torque
 from .hypothesis import Hypothesis
 from .pool import Pool, Scored
 from .proposals import begun, gated, harmonics, nameless, pushes
-from .weighing import SERIOUS, State, Weighing
+from .weighing import SERIOUS, State, Weighing, fits_with, of_torque
 
 _LOOKS = 3  # numerics: at every cause, where nothing more is worth adding
 _MOST = 40  # causes, where evidence has not ended it before

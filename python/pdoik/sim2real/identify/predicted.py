@@ -28,7 +28,6 @@ from ..motion import Balances, Key, Place
 from ..regression import TRUST, Term
 from ..thresholds import Thresholds
 from .candidates import same_kind
-from .company import is_ordinary
 from .confidence import confidence_of
 from .flexible import count_independent
 from .hypothesis import Hypothesis
@@ -36,7 +35,7 @@ from .linearisation import Linearisation
 from .model import Model, unexplained
 from .pool import Pool
 from .support import TRUSTED, acting, machines_with
-from .weighing import Weighing
+from .weighing import Weighing, is_ordinary
 
 Contribution = Mapping[Key, FloatArray]
 """What one amount of a cause adds to balances, (N,) on all rows for each key."""

@@ -1,25 +1,89 @@
-"""Models of a study's hypotheses, and the likeliest of many at the noise that they leave."""
+"""Models of a study's hypotheses, and the likeliest of many at the noise that they leave.
+
+A finer law replaces an ordinary one; of a kind there is one law at a joint.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
 
 from ..effects import CATALOGUE
+from ..effects.drives import TorqueGain
 from ..motion import Balances
-from ..regression import Fit, TermKey, refined
+from ..regression import DAYS, Fit, Term, TermKey, refined
 from .candidates import candidates, is_restless
-from .company import has_shape, is_ordinary, wider, with_ordinary
 from .flexible import count_independent
 from .gates import sharpened
 from .hypothesis import Hypothesis, anomalous
 from .linearisation import Linearisation
 from .model import Model
-from .ordinary import Ordinary
+from .ordinary import OF_DAYS, OF_JOINTS, Ordinary
 from .pool import Pool, Scored
+
+
+def _takes_place(law: Hypothesis, part: Hypothesis) -> bool:
+    """Whether a law is a finer one of an ordinary friction's kind, which is then not there."""
+    return (
+        part.ordinary
+        and part.term.effect in (DAYS, OF_DAYS)
+        and part.term.place == law.term.place
+        and CATALOGUE[law.term.effect].one_of == CATALOGUE[OF_DAYS].one_of
+    )
+
+
+def with_ordinary(ordinary: Ordinary, chosen: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """Ordinary physics and what is chosen, but for parts whose place a finer law takes."""
+    parts = [
+        part for part in ordinary.hypotheses() if not any(_takes_place(law, part) for law in chosen)
+    ]
+    return (*parts, *chosen)
+
+
+def wider(model: Model, law: Hypothesis) -> Model:
+    """A model with a cause more, in the place of what it is a finer law of."""
+    gone = [part for part in model.hypotheses if _takes_place(law, part)]
+    return (model.without(*gone) if gone else model).with_(law)
+
+
+def has_shape(hypothesis: Hypothesis) -> bool:
+    term = hypothesis.term
+    effect = CATALOGUE[term.effect]
+    return term.place.gate is not None or bool(effect.free(term.shape))
+
+
+def of_torque(hypothesis: Hypothesis) -> bool:
+    return all(balance == "torque" for balance, _ in hypothesis.term.columns)
+
+
+def is_ordinary(term: Term) -> bool:
+    """Whether the model has it anyway: a torque's zero, but not that of the report alone."""
+    if term.effect not in OF_JOINTS or term.effect == TorqueGain.id:
+        return False
+    return term.place.gate is None and not CATALOGUE[term.effect].variant(term.shape)
+
+
+def fits_with(hypothesis: Hypothesis, chosen: Iterable[Hypothesis]) -> bool:
+    """Whether a cause may join others: one law of a kind at a joint, one body at a link."""
+    effect, place = CATALOGUE[hypothesis.term.effect], hypothesis.term.place
+    for other in chosen:
+        same = other.term.effect == effect.id and other.term.place.joints == place.joints
+        if same and place.gate is not None and other.term.place.gate is not None:
+            return False  # a law that comes and goes many times is another law
+        if other.term.place != place:
+            continue
+        there = CATALOGUE[other.term.effect]
+        if effect.one_of and effect.one_of == there.one_of:
+            return False
+        if effect.is_body and there.is_body:
+            return False
+        if there.id in effect.instead or effect.id in there.instead:
+            return False
+    return True
+
 
 SERIOUS = 6  # numerics: hypotheses of a round that are compared at their own noise
 _SHAPED = 3  # numerics: of these, whose nonlinear parameters are moved to their best

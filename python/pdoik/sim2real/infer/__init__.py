@@ -7,8 +7,15 @@ out come in here, last, and change no finding. Next: evidence and report.
 from .answerable import why_unanswerable
 from .conclude import Examination, conclude
 from .events import event_support
-from .figures import at_bound, with_torque_scale, within_bounds
-from .sampling import blur, lateness, shared_by_all, widened
+from .figures import (
+    at_bound,
+    blur,
+    lateness,
+    shared_by_all,
+    widened,
+    with_torque_scale,
+    within_bounds,
+)
 from .standing_out import spreads_of
 from .verdict import preferred, residue_of, simulator_notes, source_in_words, verdict_of
 

@@ -39,11 +39,16 @@ from ..regression import (
 )
 from .events import held_out_contacts, held_out_limits, within
 from .figures import Figures, figures_of, with_torque_scale
-from .judged_by_simulation import SimulatedEvidence, judged_by_simulation
-from .shared import merged
 from .standing_out import changing, spreads_of, with_changes, with_outstanding
-from .unsaid import with_unsaid
-from .verdict import fitted_joints, joint_fits, notes_of, verdict_of
+from .stated import merged, with_unsaid
+from .verdict import (
+    SimulatedEvidence,
+    fitted_joints,
+    joint_fits,
+    judged_by_simulation,
+    notes_of,
+    verdict_of,
+)
 
 _NEVER = 1e-9  # numerics: share of the held-out residual that is none
 
