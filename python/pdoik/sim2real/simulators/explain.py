@@ -81,9 +81,9 @@ class Explained:
         return self.there(term) >= limits.least_confidence and self.shows[term] >= 1.0
 
     def claims(self, term: Term, limits: SimulatorThresholds) -> bool:
-        """Whether its name is believed too."""
+        """Whether its name is believed too, and its interval leaves out what the simulator has."""
         sure = self.confidence(term, limits) >= limits.least_confidence
-        return sure and self.holds(term, limits)
+        return sure and self._differs(term) >= limits.clear and self.holds(term, limits)
 
     def confidence(self, term: Term, limits: SimulatorThresholds) -> float:
         """Probability that a term is there, as a change to its side, and none of its rivals.

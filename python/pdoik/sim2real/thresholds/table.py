@@ -549,6 +549,12 @@ class SimulatorThresholds(Group):
     least_confidence: float = threshold(
         0.75, "confidence below which a finding is suspected, not claimed"
     )
+    clear: float = threshold(
+        0.975,
+        "probability that a figure lies on its side of the simulator's, or it is suspected",
+        "",
+        "its 95 % interval leaves the simulator's out",
+    )
     least_suspected: float = threshold(
         0.5, "probability of holding on held-out data below which nothing is said of a term"
     )
