@@ -31,7 +31,7 @@ def noise_of_ordinary_alone(model: Model, noise: Mapping[Any, float], rounds: in
         _estimated(model, noise, rounds)
     else:
         model.noise = dict(noise or Model(model.data, ordinary).noise)
-        model._solve()
+        model._solve(model._sums())
 
 
 def bic(model: Model) -> float:

@@ -116,8 +116,9 @@ class Model:
                 np.array(there.get(key, ()), dtype=np.intp),
             )
 
-    def _settle(self, noise: Mapping[Key, float], rounds: int) -> None:
-        sums = {
+    def _sums(self) -> dict[Key, _Sums]:
+        """Sums of what is in the model, balance by balance."""
+        return {
             key: (
                 np.ix_(own, own),
                 self.data.series[key].gram[np.ix_(there, there)],
@@ -127,6 +128,9 @@ class Model:
             for key, (own, there) in self.index.items()
             if len(own)
         }
+
+    def _settle(self, noise: Mapping[Key, float], rounds: int) -> None:
+        sums = self._sums()
         if self._known is not None:
             self.noise = dict(self._known)
             self._solve(sums)
